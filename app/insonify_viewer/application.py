@@ -127,22 +127,18 @@ def draw_window(
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)
-        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording, pair, panel))
-
-
-def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable[[], None]) -> None:
-    viewer.window.resize(*SNAPSHOT_SIZE)
-    viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
-    viewer.window.show()
-    viewer.tow.run(False)
-    begin()
-    viewer.start()
-    try:
-        wait_for_picture(application, viewer)
-        viewer.seabed.draw_now()
-        save_picture(viewer.window, path)
-    finally:
-        viewer.window.close()
+        viewer.window.resize(*SNAPSHOT_SIZE)
+        viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
+        viewer.window.show()
+        viewer.tow.run(False)
+        _begin(viewer, pin, lesson, recording, pair, panel)
+        viewer.start()
+        try:
+            wait_for_picture(application, viewer)
+            viewer.seabed.draw_now()
+            save_picture(viewer.window, path)
+        finally:
+            viewer.window.close()
 
 
 def wait_for_picture(application: QApplication, viewer: Viewer, rest: float = REST) -> None:

@@ -89,8 +89,7 @@ class Viewer(QObject):
         self._prepared = self._started = self._stopped = False
         self._marks = MarkController(self._show_point, self.simulator.executor)
         self._contrast = Contrast(self.window.waterfall, self.session)
-        self._clock = QTimer(self)
-        self._clock.setInterval(TICK)
+        self._clock = QTimer(self, interval=TICK)
         self._ticked = 0.0
         self._rest = QTimer(self, singleShot=True, interval=REST)
         self._rest.timeout.connect(self._ask_finely)
@@ -266,11 +265,11 @@ class Viewer(QObject):
         self.jobs.changed.connect(window.status.show_end)
         prepare = partial(self.simulator.prepare_all, tuple(bundled_scenes().values()))
         window.prepare_all.triggered.connect(lambda: self.jobs.begin_work("preparation of all scenes", prepare))
-        window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
+        window.gain.valueChanged.connect(lambda tenths: session.show(gain=tenths / 10.0))
         window.palettes.activated.connect(lambda _: session.show(palette=window.palettes.currentData()))
         session.displayed.connect(lambda look: window.show_display(look))
         session.displayed.connect(lambda _: self._show_sonar())
-        window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
+        window.speed.activated.connect(lambda _: setattr(self.tow, "speed", window.speed.currentData()))
         window.running_changed.connect(self.run)
         window.lecture.begun.connect(lambda large: self.panels.in_lecture.emit(large))
         window.may_close = self.saving.may_close
@@ -295,7 +294,7 @@ class Viewer(QObject):
     def _show_edits(self) -> None:
         """Show what can be undone and redone, and the title with the star of unsaved changes."""
         self.window.show_title(self.session.scene.title, self.session.file, unsaved=self.saving.unsaved)
-        self.window.history.show_edits(self.session.undoable, self.session.redoable)
+        self.window.history.show_edits(self.session.history.undoable, self.session.history.redoable)
 
     def _tick(self) -> None:
         now = time.perf_counter()

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QAccessible, QDragEnterEvent, QDropEvent, QWheelEvent
 from PySide6.QtWidgets import (
@@ -18,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify_viewer.record.record_canvas import RecordCanvas
 from insonify_viewer.window.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
@@ -27,6 +30,12 @@ WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is i
 def controls_of(window: QWidget) -> list[QWidget]:
     """Every slider, field, combo box, tick, button and list below a widget, without their own parts."""
     return [child for child in window.findChildren(QWidget) if is_control(child)]
+
+
+def picture_of(view: RecordCanvas) -> NDArray[np.uint32]:
+    """Colours of the rows of a record on screen, newest first, as 0xffRRGGBB."""
+    rows = view.record.rows(view.record.shown(view.top))
+    return np.asarray(view.image.pixels[view.image._places(rows)])
 
 
 def takes_keyboard(widget: QWidget) -> bool:

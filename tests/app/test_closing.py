@@ -18,8 +18,8 @@ from commands import PATIENCE
 from insonify.scene import SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
-from insonify_viewer.work.executor import Task
 from insonify_viewer.work.gc_policy import collected_by_hand, leave_out_libraries
+from insonify_viewer.work.jobs import ThreadJob
 
 
 def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer, small):
@@ -158,7 +158,8 @@ def test_reports_that_wait_are_passed_on_as_one():
         for k in range(1000):
             progress(k / 1000.0)
 
-    job = Task(work, lambda *call: calls.append(call), progressed=told.append, done=print, failed=print, name="test")
+    job = ThreadJob("test", work, lambda *call: calls.append(call))
+    job.changed.connect(lambda job: told.append(job.stage.share))
     job.start()
     job._thread.join(60.0)
     assert len(calls) == 2, "one of its progress, one of its end"

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+from controls import picture_of
 
 from insonify import simulation
 from insonify.planning.selection import choose_model
@@ -28,7 +29,7 @@ def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer
     qtbot.waitUntil(lambda: waterfall.waiting is not None)
     assert waterfall.waiting.what.startswith("example; ")
     assert not viewer.complete
-    drawn, mark, seen = waterfall.picture().copy(), Mark(300, 1, 400), []
+    drawn, mark, seen = picture_of(waterfall).copy(), Mark(300, 1, 400), []
     assert np.unique(drawn).size > 100
     viewer.panels.point_marked.connect(seen.append)
     viewer.session.point_at(mark)
@@ -40,21 +41,21 @@ def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer
     assert viewer.tow.newest == 511, "the tow waits for the kernels"
     viewer.run(False)
     viewer.session.show(palette="grey")
-    assert (waterfall.picture() != drawn).any()
+    assert (picture_of(waterfall) != drawn).any()
     viewer.session.show(palette="copper")
-    assert (waterfall.picture() == drawn).all()
+    assert (picture_of(waterfall) == drawn).all()
     kernels.set()
     qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
-    assert (waterfall.picture() == drawn).mean() > 0.99
+    assert (picture_of(waterfall) == drawn).mean() > 0.99
     assert seen[-1].mark == mark
 
 
 def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, kernels, qtbot):
     viewer = open_viewer(load_scene("default"), prepare=None, until=lambda viewer: viewer._answer is not None)
     waterfall = viewer.window.waterfall
-    bright = waterfall.picture().copy()
+    bright = picture_of(waterfall).copy()
     viewer.session.settle({"track.altitude": 12.0})
-    qtbot.waitUntil(lambda: waterfall.waiting is not None and (waterfall.picture() != bright).mean() > 0.5)
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and (picture_of(waterfall) != bright).mean() > 0.5)
     assert "example" not in waterfall.waiting.what
     kernels.set()
     qtbot.waitUntil(lambda: viewer.complete)

@@ -128,7 +128,7 @@ def test_a_target_is_moved(viewer, hand, qtbot):
     assert not viewer.tow.running
     start = handle(viewer)
     hand.drag(viewer.window.waterfall, start, start + QPoint(30, 20))
-    assert viewer.session.undoable[0].endswith("moved")
+    assert viewer.session.history.undoable[0].endswith("moved")
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
     qtbot.waitUntil(lambda: viewer.complete)

@@ -455,4 +455,4 @@ def test_a_lesson_begins_with_the_window(open_viewer, qtbot):
     assert panel.view.page.lesson.text() == "Range"
     assert lit_rows(viewer) == {"sonar.range"}
     assert viewer.session.scene is scene
-    assert not viewer.session.undoable
+    assert not viewer.session.history.undoable

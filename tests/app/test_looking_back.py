@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from controls import picture_of
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
@@ -9,7 +10,7 @@ from insonify_viewer.record.record_image import EMPTY
 
 
 def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
-    first = viewer.window.waterfall.picture().copy()
+    first = picture_of(viewer.window.waterfall).copy()
     viewer.tow.restart(1000)
     viewer.run(False)
     qtbot.waitUntil(lambda: viewer.complete)
@@ -17,7 +18,7 @@ def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
     viewer.look_back(1000 - 127)
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.window.waterfall.top == 127
-    assert (viewer.window.waterfall.picture() == first).all()
+    assert (picture_of(viewer.window.waterfall) == first).all()
 
 
 def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
@@ -34,7 +35,7 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     assert waterfall.top == pytest.approx(60, abs=1)
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.seabed.view._fish_actor.user_matrix[0, 3] == pytest.approx(0.2 * waterfall.top)
-    assert waterfall.picture().shape[0] == waterfall.top + 1
+    assert picture_of(waterfall).shape[0] == waterfall.top + 1
     shown = waterfall.top
     viewer.run(True)
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
@@ -42,19 +43,19 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
 
 def test_below_the_first_ping_the_record_is_empty(viewer, qtbot):
     waterfall = viewer.window.waterfall
-    whole = waterfall._image.pixels.copy()
+    whole = waterfall.image.pixels.copy()
     viewer.go_to(60)
     qtbot.waitUntil(lambda: viewer.complete)
     shown = waterfall.record.rows(np.arange(61))
-    assert (waterfall._image.pixels[shown] == whole[shown]).all()
+    assert (waterfall.image.pixels[shown] == whole[shown]).all()
     hidden = waterfall.record.rows(np.arange(61, 128))
-    assert (waterfall._image.pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
+    assert (waterfall.image.pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
     viewer.session.show(gain=3.0)
-    assert (waterfall._image.pixels[hidden] == EMPTY).all()
+    assert (waterfall.image.pixels[hidden] == EMPTY).all()
     viewer.session.show(gain=0.0)
     viewer.go_to(127)
     qtbot.waitUntil(lambda: viewer.complete)
-    assert (waterfall._image.pixels == whole).all()
+    assert (waterfall.image.pixels == whole).all()
 
 
 def test_the_button_says_what_it_does(window):

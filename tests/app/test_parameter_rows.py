@@ -185,7 +185,7 @@ def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
     assert still == (0.0, 0.0)
     viewer.session.undo()
     assert viewer.session.scene.seabed.relief.peaks[0] == (8.0, 20.0)
-    assert not viewer.session.undoable
+    assert not viewer.session.history.undoable
 
 
 def test_a_press_beside_the_peaks_moves_none(open_viewer, peaked, qtbot):

@@ -89,20 +89,20 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
     with monkeypatch.context() as patched:
         patched.setattr(parameters_view, "GLIDE", 10_000)  # ms: however seldom a busy machine moves it, it is seen
-        view._about.label.linkActivated.emit("0")
+        view.about.label.linkActivated.emit("0")
         assert view.row("track.altitude").label.property("lit")
         qtbot.waitUntil(lambda: len({round(altitude, 2) for altitude in seen}) > 3)
         view.end_glide()
-    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",))
+    qtbot.waitUntil(lambda: session.history.undoable[:1] == ("altitude",))
     assert seen[-1] == 4.0
-    assert "↩" in view._about.label.text()
-    view._about.label.linkActivated.emit("0")
-    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2)
-    assert "↩" not in view._about.label.text()
-    view._about.label.linkActivated.emit("1")
+    assert "↩" in view.about.label.text()
+    view.about.label.linkActivated.emit("0")
+    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.history.undoable) == 2)
+    assert "↩" not in view.about.label.text()
+    view.about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam.kind == "knife"
     assert view.row("sonar.beam.kind").label.property("lit")
-    view._about.label.linkActivated.emit("1")
+    view.about.label.linkActivated.emit("1")
     assert session.scene.sonar.beam == small.sonar.beam
 
 
@@ -121,12 +121,12 @@ def test_every_link_leads_there_and_back(name):
 
 def test_a_glide_ends_with_its_scene(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"description": "[Lower it](track.altitude=4.0)."}))
-    panel(viewer).view._about.label.linkActivated.emit("0")
+    panel(viewer).view.about.label.linkActivated.emit("0")
     qtbot.wait(100)
     viewer.open(edit(small, {"title": "Another", "track.altitude": 9.0}))
     qtbot.wait(1200)
     assert viewer.session.scene.track.altitude == 9.0
-    assert viewer.session.undoable[0] == "open Another"
+    assert viewer.session.history.undoable[0] == "open Another"
 
 
 def test_an_effect_goes_and_comes_back_as_it_was(open_viewer, small, qtbot):
@@ -134,7 +134,7 @@ def test_an_effect_goes_and_comes_back_as_it_was(open_viewer, small, qtbot):
     viewer = open_viewer(start)
     tick(viewer, "beam")
     assert viewer.session.scene.sonar.beam.kind == "knife"
-    assert viewer.session.undoable[0] == "beam switched off"
+    assert viewer.session.history.undoable[0] == "beam switched off"
     tick(viewer, "beam")
     assert viewer.session.scene == start
     tick(viewer, "speckle")
@@ -309,11 +309,11 @@ def test_edits_have_names():
     session.settle()
     session.model(session.modelling.tolerating(0.1))
     session.open(load_scene("wreck"))
-    assert session.undoable == ("open A wreck with a standing mast", "tolerance", "altitude")
+    assert session.history.undoable == ("open A wreck with a standing mast", "tolerance", "altitude")
     assert session.opened == load_scene("wreck")
     session.undo(2)
     assert session.opened == scene
-    assert session.redoable == ("tolerance", "open A wreck with a standing mast")
+    assert session.history.redoable == ("tolerance", "open A wreck with a standing mast")
 
 
 def test_a_value_is_reset_by_its_name(viewer, qtbot):
@@ -328,7 +328,7 @@ def test_a_value_is_reset_by_its_name(viewer, qtbot):
     QTest.mouseDClick(row.label, Qt.MouseButton.LeftButton)
     assert session.scene.track.altitude == 10.0
     assert session.scene.sonar.beam.width == 2.0
-    assert session.undoable[0] == "altitude reset"
+    assert session.history.undoable[0] == "altitude reset"
     assert not row.label.property("changed")
 
 
@@ -385,7 +385,7 @@ def test_a_target_is_duplicated_and_locked(viewer, qtbot):
     copy = session.scene.targets[3]
     assert (copy.kind, copy.radius) == ("sphere", 0.5)
     assert copy.position == (66.0, -18.0)
-    assert session.undoable[0] == "sphere 2 duplicated"
+    assert session.history.undoable[0] == "sphere 2 duplicated"
     press("targets.3", "lock")
     assert session.scene.targets[3].locked
     assert not view.row("targets.3.radius").slider.isEnabled()

@@ -15,8 +15,12 @@ from insonify_viewer.state.session import Session
 BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 
 
+def line_of(view, subject: str):
+    return next(group.lines[subject] for group in view.groups.values() if subject in group.lines)
+
+
 def pick(viewer, subject: str, choice: str | None):
-    combo = viewer.panels["plan"].view.line(subject).combo
+    combo = line_of(viewer.panels["plan"].view, subject).combo
     index = combo.findData(choice)
     assert index >= 0
     combo.setCurrentIndex(index)
@@ -55,16 +59,16 @@ def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"water": BENT}))
     wait(viewer, qtbot)
     view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
-    assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.subjects(modelled=True))
-    assert "bending" in view.subjects(modelled=True)
+    assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.groups[True].lines)
+    assert "bending" in view.groups[True].lines
     pick(viewer, "bending", "off")
     wait(viewer, qtbot)
-    assert "bending" in view.subjects(modelled=False)
-    assert view.line("bending").combo.currentText() == "off"
+    assert "bending" in view.groups[False].lines
+    assert line_of(view, "bending").combo.currentText() == "off"
     assert view.automatic.isEnabled()
     view.automatic.click()
     wait(viewer, qtbot)
-    assert "bending" in view.subjects(modelled=True)
+    assert "bending" in view.groups[True].lines
     assert not view.automatic.isEnabled()
     assert viewer.session.modelling == Modelling()
 
@@ -99,7 +103,7 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(op
     said = viewer.window.status.sentence.text()
     assert said.startswith("planes 2: changes the record by")
     assert said.endswith("× the time")
-    assert viewer.panels["plan"].view.line("planes")._change.text() == said.partition(": ")[2]
+    assert line_of(viewer.panels["plan"].view, "planes")._change.text() == said.partition(": ")[2]
     path = tmp_path / "two.npz"
     assert main(["render", "default", "-o", str(path), "--set", "sonar.bins=100", "--set", "track.pings=32",
                  "--model", "planes=2"]) == 0  # fmt: skip

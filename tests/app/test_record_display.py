@@ -5,7 +5,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from controls import turn_wheel
+from controls import picture_of, turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
@@ -241,21 +241,21 @@ def test_a_drag_beyond_the_record_looks_back(viewer):
 
 def test_the_picture_follows_the_options(viewer):
     view = viewer.window.waterfall
-    upright = view.picture().copy()
+    upright = picture_of(view).copy()
     viewer.session.show(side="port")
-    port = view.picture()
+    port = picture_of(view)
     assert view.projection.extent[1] == 0.0
     viewer.session.show(side="both", reverse=True)
-    assert (view.picture() != upright).any()
+    assert (picture_of(view) != upright).any()
     viewer.session.show(reverse=False)
-    assert (view.picture() == upright).all()
+    assert (picture_of(view) == upright).all()
     assert port.shape[0] == upright.shape[0]
     viewer.session.show(ground_range=True)
-    assert (view.picture()[:, 0] == EMPTY).all() or view.projection.axis.kind == "ground"
+    assert (picture_of(view)[:, 0] == EMPTY).all() or view.projection.axis.kind == "ground"
     viewer.session.show(ground_range=False, side_gains=(0.0, 12.0))
     half = upright.shape[1] // 2
-    assert (view.picture()[:, : half - 2] == upright[:, : half - 2]).all()
-    assert (view.picture()[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
+    assert (picture_of(view)[:, : half - 2] == upright[:, : half - 2]).all()
+    assert (picture_of(view)[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
 
 
 def test_newest_below_is_the_picture_upside_down(viewer):

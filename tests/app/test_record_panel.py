@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from controls import picture_of
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
@@ -73,7 +74,7 @@ def test_sides_scale_and_palette(viewer, panel, qtbot):
 def test_display_options_are_undone_by_name(viewer, panel):
     window, session = viewer.window, viewer.session
     keep_display(viewer)
-    assert not session.undoable, "what is kept from the last start is no step"
+    assert not session.history.undoable, "what is kept from the last start is no step"
     traced = session.scene
     combo = panel.view.choices["palette"].combo
     for name in ("grey", "viridis"):
@@ -82,7 +83,7 @@ def test_display_options_are_undone_by_name(viewer, panel):
     panel.view.ticks["ground_range"].click()
     for tenths in (10, 20, 45):
         window.gain.setValue(tenths)
-    assert session.undoable == ("gain", "ground range", "palette")
+    assert session.history.undoable == ("gain", "ground range", "palette")
     assert Settings().display == {"palette": "viridis", "ground_range": True}
     assert window.undo.text() == "Undo: gain"
     window.undo.trigger()
@@ -103,7 +104,7 @@ def test_display_options_are_undone_by_name(viewer, panel):
 def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer):
     viewer.window.gain.setValue(60)
     viewer.find_levels()
-    assert viewer.session.undoable == ("contrast of the record", "gain")
+    assert viewer.session.history.undoable == ("contrast of the record", "gain")
     viewer.window.undo.trigger()
     assert viewer.window.gain.value() == 60
 
@@ -125,7 +126,7 @@ def test_gains_of_each_side_are_typed(viewer, panel):
 def test_the_ends_of_the_colour_bar_are_dragged(viewer, panel):
     histogram, view = panel.view.histogram, viewer.window.waterfall
     assert histogram._counts.max() == 1.0
-    before = view.picture().copy()
+    before = picture_of(view).copy()
     middle = histogram.height() // 2
     drag(
         histogram,
@@ -135,14 +136,14 @@ def test_the_ends_of_the_colour_bar_are_dragged(viewer, panel):
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
     assert viewer.session.display.levels[1] == pytest.approx(10.0, rel=0.05)
     assert view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
-    darker = view.picture().copy()
+    darker = picture_of(view).copy()
     assert (darker != before).mean() > 0.5
     histogram.setFocus()
     QTest.keyClick(histogram, Qt.Key.Key_Left)
     assert histogram.ends[1] == pytest.approx(19.5, abs=0.5)
     viewer.find_levels()
     assert viewer.session.display.levels is None
-    assert (view.picture() == before).all()
+    assert (picture_of(view) == before).all()
 
 
 def test_a_drag_measures_in_every_view(viewer, panel):
@@ -284,7 +285,7 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     assert listed.list.item(0, 1).text() == "contact 1"
     assert listed.row == 0, "the one that is there again"
     assert window.redo.text() == "Redo: contact 1 removed"
-    assert viewer.session.undoable == ("note on contact 1", "altitude", "contact 2 marked", "contact 1 marked")
+    assert viewer.session.history.undoable == ("note on contact 1", "altitude", "contact 2 marked", "contact 1 marked")
     scene = viewer.session.scene
     window.undo.trigger()
     assert panel.contacts[0].note == ""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front, drop
+from controls import bring_to_front, drop, picture_of
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
@@ -19,6 +19,7 @@ from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.window.uncaught_errors import reported_warnings
 from insonify_viewer.work.jobs import State
 
@@ -63,9 +64,9 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot)
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     assert view.isVisible()
     assert viewer.window.waterfall.isVisible()
-    assert view.picture().shape[0] == recording.pings == PINGS
+    assert picture_of(view).shape[0] == recording.pings == PINGS
     np.testing.assert_allclose(view.extent(), (PINGS * STEP, 2.0 * RANGE), rtol=2e-3)
-    assert len(np.unique(view.picture())) > 50
+    assert len(np.unique(picture_of(view))) > 50
     assert viewer.panels["comparison"].view.title.text().splitlines() == [
         "record.xtf",
         "400 pings of 2 × 300 bins  ·  60 m  ·  400 kHz",
@@ -93,7 +94,8 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, fol
     open_recording(viewer, folder / "record.xtf", qtbot)
     assert not viewer.tow.running, "a recording is opened paused"
     assert viewer.recordings.top == PINGS - 1
-    viewer.window.speed_changed.emit(4.0)
+    viewer.window.speed.setCurrentIndex(SPEEDS.index(4.0))
+    viewer.window.speed.activated.emit(viewer.window.speed.currentIndex())
     viewer.run(True)
     qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < PINGS - 1)
     assert viewer.window.record_a.top == viewer.recordings.top
@@ -251,7 +253,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, q
     QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=middle)
     assert overlay.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
     view.grab()
-    assert viewer.window.record_a.picture().shape[1] == view.plot_area.width(), "as fine as the live record"
+    assert picture_of(viewer.window.record_a).shape[1] == view.plot_area.width(), "as fine as the live record"
     panel.arrangement.activated.emit(list(Arrangement).index(Arrangement.BESIDE))
     assert viewer.window.record_a.isVisible()
 
@@ -288,7 +290,7 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer, qtbot)
     assert told["slant range"] == "29.97 m, port"
     rows = viewer.panels["comparison"].view.statistics.rows
     assert rows["shadows"][0] == "24.5 dB deep"
-    assert len(np.unique(viewer.window.record_a.picture())) > 100
+    assert len(np.unique(picture_of(viewer.window.record_a))) > 100
 
 
 def test_a_scene_is_learned_as_a_job_and_opened(viewer, folder, tmp_path, qtbot, monkeypatch):

@@ -192,7 +192,7 @@ def test_drag_starts_from_what_is_settled(session, default):
     assert changes == [(10.0, False), (7.5, False), (10.0, False), (10.0, True)]
     session.undo()
     assert session.scene == default
-    assert not session.undoable
+    assert not session.history.undoable
 
 
 def test_contacts_marked_since_outlast_a_refused_scene(session, default):
@@ -204,8 +204,8 @@ def test_contacts_marked_since_outlast_a_refused_scene(session, default):
     session.take_back()
     assert session.scene == default
     assert [each.name for each in contacts.all] == ["fish", "rock"]
-    assert session.undoable == ("rock marked", "fish marked")
-    assert not session.redoable
+    assert session.history.undoable == ("rock marked", "fish marked")
+    assert not session.history.redoable
 
 
 def test_contacts_do_not_end_a_drag(session, default):
@@ -214,7 +214,7 @@ def test_contacts_do_not_end_a_drag(session, default):
     contacts.add(Contact("fish", "", default.title, 3, "port", 7, 2.0))
     assert session.scene.track.altitude == 7.0
     session.settle()
-    assert session.undoable == ("altitude", "fish marked")
+    assert session.history.undoable == ("altitude", "fish marked")
     session.undo()
     assert (session.scene, len(contacts)) == (default, 1)
 
@@ -232,7 +232,7 @@ def test_another_look_gives_up_nothing_that_can_be_redone(session):
     session.show(palette="grey")
     session.undo(2)
     session.show(ground_range=True)
-    assert not session.undoable
+    assert not session.history.undoable
     session.redo(2)
     assert session.scene.track.altitude == 7.0
     assert (session.display.palette, session.display.ground_range) == ("grey", True)
@@ -241,22 +241,22 @@ def test_another_look_gives_up_nothing_that_can_be_redone(session):
 def test_a_look_and_back_and_an_edit_that_changes_nothing_are_no_steps(session, default):
     session.settle({"track.altitude": 7.0})
     session.settle({"seed": default.seed})
-    assert session.undoable == ("altitude",)
+    assert session.history.undoable == ("altitude",)
     for on in (True, False):
         session.show(ground_range=on)
-    assert session.undoable == ("altitude",)
+    assert session.history.undoable == ("altitude",)
     session.drag({"track.altitude": 8.0})
     session.show(gain=3.0)
     assert session.scene.track.altitude == 8.0, "the drag goes on"
     session.settle()
-    assert session.undoable == ("altitude", "gain", "altitude")
+    assert session.history.undoable == ("altitude", "gain", "altitude")
 
 
 def test_a_look_outlasts_a_refused_scene(session, default):
     session.settle({"seed": 5})
     session.show(gain=3.0)
     session.take_back()
-    assert (session.scene, session.display.gain, session.undoable) == (default, 3.0, ("gain",))
+    assert (session.scene, session.display.gain, session.history.undoable) == (default, 3.0, ("gain",))
 
 
 def test_refusal_is_one_sentence(session, default):

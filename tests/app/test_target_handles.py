@@ -97,7 +97,7 @@ def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions(open_viewer, 
     handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("thicken", "move"))
     assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
     drag(record, handle, handle + (handle - centre))
-    assert viewer.session.undoable == ("pipe 1 radius",)
+    assert viewer.session.history.undoable == ("pipe 1 radius",)
     thick = viewer.session.scene.targets[0]
     assert 0.8 < thick.radius < 1.4
     assert thick.length == 6.0
@@ -105,7 +105,7 @@ def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions(open_viewer, 
     assert viewer.session.scene == scene
     qtbot.waitUntil(lambda: viewer.complete)
     drag_outwards(viewer, "thicken")
-    assert viewer.session.undoable == ("pipe 1 radius",)
+    assert viewer.session.history.undoable == ("pipe 1 radius",)
     assert viewer.session.scene.targets[0].radius > 0.6
 
 
@@ -120,7 +120,7 @@ def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer, one_
     assert (handle - centre).x() * (thicken - centre).x() < 0
     assert "higher" in record.handles.hover(handle)
     drag(record, handle, handle + (handle - centre))
-    assert viewer.session.undoable == ("box 1 height",)
+    assert viewer.session.history.undoable == ("box 1 height",)
     length, width, height = viewer.session.scene.targets[0].size
     assert (length, width) == tuple(BOX["size"][:2])
     assert 2.0 < height < 5.0
@@ -131,7 +131,7 @@ def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer, one_
     view = seabed.view
     handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("raise", "move"))
     drag(view._canvas.widget, handle, centre + (handle - centre) / 2)
-    assert viewer.session.undoable == ("box 1 height",)
+    assert viewer.session.history.undoable == ("box 1 height",)
     length, width, height = viewer.session.scene.targets[0].size
     assert (length, width) == tuple(BOX["size"][:2])
     assert height < 1.2
@@ -150,7 +150,7 @@ def test_a_mesh_is_resized_in_three_dimensions(open_viewer, small, qtbot):
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
     viewer = open_viewer(edit(small, {"targets": [mesh], "sonar.bins": 400}), solid=True)
     drag_outwards(viewer, "resize")
-    assert viewer.session.undoable == ("mesh 1 resized",)
+    assert viewer.session.history.undoable == ("mesh 1 resized",)
     assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
     viewer.session.undo()
     assert viewer.session.scene.targets[0].scale == 0.2
@@ -188,7 +188,7 @@ def test_a_target_is_dragged_in_the_record(open_viewer, one_box, qtbot):
     drag(record, near, far)
     moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
     np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
-    assert session.undoable == ("box 1 moved",)
+    assert session.history.undoable == ("box 1 moved",)
     qtbot.waitUntil(lambda: viewer.complete)
     place = record.handles.place(number_of(viewer, "move"))
     assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
@@ -207,12 +207,12 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
     turn = record.handles.place(number_of(viewer, "turn"))
     centre = record.handles.place(number_of(viewer, "move"))
     drag(record, turn, turn + QPoint(0, 2 * (centre.y() - turn.y())))
-    assert viewer.session.undoable[0] == "box 1 turned"
+    assert viewer.session.history.undoable[0] == "box 1 turned"
     assert viewer.session.scene.targets[0].heading == pytest.approx(150.0, abs=12.0)  # mirrored at the line athwart
     qtbot.waitUntil(lambda: viewer.complete)
     resize = record.handles.place(number_of(viewer, "resize"))
     drag(record, resize, resize + (resize - centre))
-    assert viewer.session.undoable[0] == "box 1 resized"
+    assert viewer.session.history.undoable[0] == "box 1 resized"
     assert viewer.session.scene.targets[0].size[0] > 5.5
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
@@ -224,7 +224,7 @@ def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
     assert viewer.targets.handles.chosen == 0
     assert viewer.inspection.mark is not None
-    assert viewer.session.undoable == ()
+    assert viewer.session.history.undoable == ()
 
 
 def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
@@ -263,7 +263,7 @@ def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):
     canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
     start = view.handles.place(number_of(viewer, "move")).toPoint()
     drag(canvas, start, start + QPoint(25, 10))
-    assert session.undoable == ("box 1 moved",)
+    assert session.history.undoable == ("box 1 moved",)
     moved = np.hypot(*(np.array(session.scene.targets[0].position) - np.array(BOX["position"])))
     assert 0.5 < moved < 40.0
     qtbot.waitUntil(lambda: viewer.complete)

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from controls import picture_of
 from numpy.typing import NDArray
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
@@ -76,18 +77,18 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer, small, qtb
 
     viewer = open_viewer(small, prepare=Slow)
     waterfall = viewer.window.waterfall
-    bright = waterfall.picture().copy()
+    bright = picture_of(waterfall).copy()
     assert waterfall.waiting is None
     viewer.session.settle({"seed": 5})
-    assert (waterfall.picture() == bright).all(), "a short wait changes nothing"
+    assert (picture_of(waterfall) == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
     qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
     assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
-    assert (waterfall.picture() == dimmed(bright)).all()
+    assert (picture_of(waterfall) == dimmed(bright)).all()
     plain = waterfall.grab().toImage().pixelColor(200, 26)
     going.set()
     qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
-    assert (waterfall.picture() == bright).all()
+    assert (picture_of(waterfall) == bright).all()
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
 
 

@@ -47,11 +47,17 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(vie
     assert not viewer.panels["water"].view.isVisible()
 
 
+def handle(view) -> QPoint:
+    """Place of the second point of the profile."""
+    depth, speed = view.points[1]
+    return view.scales().of_speed(speed, depth).toPoint()
+
+
 def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
-    start = view.handle(1).toPoint()
+    start = handle(view)
     qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=start)
     for step in range(1, 6):
         qtbot.mouseMove(view, start + QPoint(-4 * step, 2 * step))
@@ -64,7 +70,7 @@ def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, laye
     viewer.session.undo()
     assert viewer.session.scene == layered
     wait_for_rays(viewer, qtbot)
-    assert (view.handle(1).toPoint() - start).manhattanLength() <= 1
+    assert (handle(view) - start).manhattanLength() <= 1
     view.point_dragged.emit(1, 29.0, 1800.0)
     assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
     assert viewer.session.scene.water.sound_speed[1] == 1700.0
@@ -80,7 +86,7 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qt
     shown = []
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
-    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.place_of(30.0, 25.0).toPoint())
+    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.scales().at(30.0, 25.0).toPoint())
     qtbot.waitUntil(lambda: bool(shown))
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
@@ -110,7 +116,7 @@ def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
     QTest.keyPress(view, Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier)
     water = viewer.session.scene.water
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
-    assert not viewer.session.undoable, "the key is still down"
+    assert not viewer.session.history.undoable, "the key is still down"
     QTest.keyRelease(view, Qt.Key.Key_Right)
     wait_for_rays(viewer, qtbot)
     viewer.session.undo()
@@ -123,9 +129,9 @@ def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
 def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer, layered, qtbot):
     viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyPress(view, Qt.Key.Key_Left)
-    assert not viewer.session.undoable
+    assert not viewer.session.history.undoable
     viewer.window.waterfall.setFocus()
-    assert viewer.session.undoable
+    assert viewer.session.history.undoable
 
 
 def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):
@@ -137,7 +143,7 @@ def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, q
     assert view.grab().toImage() != plain, "the cross is seen"
     assert viewer.session.scene == layered
     QTest.keyClick(view, Qt.Key.Key_Return)
-    frame = view._frame()
+    frame = view.scales()
     assert panel._target == pytest.approx((0.6 * frame.reach, 0.51 * frame.bottom))
     wait_for_rays(viewer, qtbot)
     assert view._diagram.target == pytest.approx(panel._target)

@@ -13,22 +13,28 @@ from insonify.files import resources
 from small_sets import SET, SURVEY
 from strangers import traces, write_modules
 
-COMMANDS = (
-    "scenes",
-    "targets",
-    "lesson",
-    "plan default",
-    "relief default -o relief.png",
-    "rays thermocline -o rays.png",
-    "light default --set track.pings=8 -o light.png",
-    "render default --set track.pings=8 -o new.nc",
-    "render record.nc -o record.png",
-    "compare record.nc record.nc -o compared.png",
-    "explain default --ping 3 --range 25",
-    "mosaic record.nc -o mosaic.tif",
-    "survey survey.toml -o survey --scheduler local:1",
-    "dataset set.toml -o set --scheduler local:1",
-)
+COMMANDS = """
+scenes
+targets
+lesson
+plan default
+relief default -o relief.png
+rays thermocline -o rays.png
+light default --set track.pings=8 -o light.png
+render default --set track.pings=8 -o new.nc
+render record.nc -o record.png
+compare record.nc record.nc -o compared.png
+explain default --ping 3 --range 25
+mosaic record.nc -o mosaic.tif
+"""
+STARTING = ("survey survey.toml -o survey", "dataset set.toml -o set")  # processes of their own
+ONE_AFTER_THE_OTHER = """
+import sys
+from insonify.__main__ import load
+command = load()
+for line in sys.stdin:
+    assert command(line.split()) == 0, line
+"""
 # The process that reads files is part of the commands above.
 COMPILED = """
 from insonify.compiler.processes import CompilingProcess
@@ -56,12 +62,18 @@ def run(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([script, *words], cwd=place, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("words", COMMANDS)
-def test_a_command_imports_nothing_of_the_current_folder(folder, words):
+def test_commands_import_nothing_of_the_current_folder(folder):
     """A json.py or a numpy.py beside somebody's data is not part of the program."""
-    done = run(folder, *words.split())
-    assert (done.returncode, traces(folder)) == (0, set()), done.stderr
+    command = [sys.executable, "-P", "-c", ONE_AFTER_THE_OTHER]
+    done = subprocess.run(command, cwd=folder, input=COMMANDS.lstrip(), capture_output=True, text=True, check=False)
+    assert (done.returncode, traces(folder)) == (0, set()), done.stdout + done.stderr
     assert not (folder / "stranger").exists()
+
+
+@pytest.mark.parametrize("words", STARTING)
+def test_workers_import_nothing_of_the_current_folder(folder, words):
+    done = run(folder, *words.split(), "--scheduler", "local:1")
+    assert (done.returncode, traces(folder)) == (0, set()), done.stderr
 
 
 @pytest.fixture(scope="module")

@@ -79,6 +79,7 @@ def prepared(changes):
 SWEPT = {(50, 0, 120), (50, 0, 187), (50, 1, 171), (50, 1, 300)}  # ping, side, bin
 
 
+@pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", SCENES)
 def test_the_terms_add_up_to_the_pixel_and_the_parts_are_those_of_the_sweep(name):
     simulation = prepared(SCENES[name])

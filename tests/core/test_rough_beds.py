@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from insonify.packing.packed_scene import pack
 from insonify.scene import Scene, edit, load_scene
-from insonify.simulation import prepare
 from insonify.statistics.record_errors import RecordErrors, compare_records
 from insonify.tracers import ray_sheets, sweep
 
@@ -43,8 +43,8 @@ def ripples(wavelength: float, height: float) -> dict[str, Any]:
 
 def errors(scene: Scene, *misplaced: float, rays: int = 1 << 15) -> list[float]:
     """Errors of the sweep with segments divided for several shares of misplaced echo."""
-    simulation = prepare(scene)
-    arrays, poses = simulation.arrays, simulation.poses(PINGS)
+    packed = pack(scene)
+    arrays, poses = packed.arrays, packed.poses(PINGS)
     right = ray_sheets.trace(arrays, poses, rays=rays)
     records = (
         sweep.trace(arrays._replace(limits=arrays.limits._replace(misplaced=share)), poses, planes=1)
@@ -118,8 +118,8 @@ REFRACTING = {
 
 def errors_in_water(scene: Scene, *, planes: int = 1, sheets: int = 1, rays: int = 1 << 16) -> RecordErrors:
     """Errors of the sweep of a scene whose water refracts."""
-    simulation = prepare(scene)
-    arrays, poses = simulation.arrays, simulation.poses(PINGS if planes == 1 else PINGS[:1])
+    packed = pack(scene)
+    arrays, poses = packed.arrays, packed.poses(PINGS if planes == 1 else PINGS[:1])
     assert arrays.water.bent
     right = ray_sheets.trace(arrays, poses, sheets=sheets, rays=rays)
     return compare_records(arrays, poses, sweep.trace(arrays, poses, planes=planes), right)

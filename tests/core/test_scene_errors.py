@@ -58,6 +58,10 @@ WRONG = [
     ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
     ({"sonar.law": "radar"}, ["sonar.law", "'radar'", "'sonar' or 'light'"]),
     ({"sonar.rnage": 50}, ["sonar.rnage", "unknown key", "'range'"]),
+    (
+        {"targets": [{"kind": "sphere", "position": [1.0, 2.0], "length": 4.0}]},
+        ["targets.0.length", "belongs to kind 'pipe' or 'wreck' or 'aircraft', not to 'sphere'"],
+    ),
     ({"sonar.pulse": {"kind": "tone", "bandwidth": 3e4}}, ["bandwidth", "belongs to kind 'chirp', not to 'tone'"]),
     ({"seabed.depth": -30}, ["seabed.depth", "-30", "above 0"]),
     ({"seabed.relief.beta": 5}, ["seabed.relief.beta", "5", "below 5"]),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QColor, QPainter, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.display_options import DisplayOptions, Levels
@@ -22,17 +22,10 @@ from insonify_viewer.record.projection import (
     zoom_to_true_scale,
 )
 from insonify_viewer.record.record import Record, Rows
-from insonify_viewer.record.record_image import RecordImage
-from insonify_viewer.record.record_overlays import (
-    RecordMarks,
-    ScrubHandle,
-    draw_ping_ruler,
-    draw_range_ruler,
-    draw_waiting,
-)
-from insonify_viewer.record.record_overview import RecordOverview
+from insonify_viewer.record.record_image import RecordImage, RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
@@ -40,7 +33,7 @@ LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 34
 GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes", "newest_on_top", "scale")
 
 
-class RecordCanvas(QWidget):
+class RecordCanvas(Painted):
     """Draws a `Record`; a row is coloured once, when it arrives."""
 
     moved = Signal(int)  # newest ping on screen
@@ -56,25 +49,20 @@ class RecordCanvas(QWidget):
         self.setMinimumSize(200, 140)
         self.record = Record(1, 1)  # the pings on screen
         self.top = 0  # newest ping on screen
-        self._image = RecordImage()
+        self.image = RecordImage()
         self._range, self._step = 1.0, 1.0
         # Amplitudes at the ends of the palette, where the display options leave them to the record.
         self.levels: Levels = (0.0, 1.0)
         self._look, self._zoom = DisplayOptions(), Zoom()
-        self._marks = RecordMarks()
+        self._marks = overlays.RecordMarks()
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
         self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
-        self._handle = ScrubHandle()
+        self._handle = overlays.ScrubHandle()
         self.overview = RecordOverview()
         self._fit()
-
-    @property
-    def version(self) -> int:
-        """Count of the changes of the picture."""
-        return self._image.version
 
     @property
     def step(self) -> float:
@@ -102,7 +90,7 @@ class RecordCanvas(QWidget):
             axis = choose_axis(self._look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
-        self._image.put(rows, self.projection, self.tone_map, reach)
+        self.image.put(rows, self.projection, self.tone_map, reach)
         self.update()
 
     def show_top(self, ping: int) -> None:
@@ -116,7 +104,7 @@ class RecordCanvas(QWidget):
         held = self.record.ping[rows] == pings
         blank = np.ones(self.record.pings, dtype=bool)
         blank[rows[held]] = False
-        self._image.blank(np.flatnonzero(blank))
+        self.image.blank(np.flatnonzero(blank))
         returned = held & ((pings > before) | (pings <= before - self.record.pings))
         self._paint_rows(rows[returned])
         self.moved.emit(ping)
@@ -172,23 +160,19 @@ class RecordCanvas(QWidget):
         if waiting != self.waiting:
             self.waiting = waiting
             self.update()
-        if waiting is not None and oldest != self._image.oldest:
-            self._image.oldest = oldest
+        if waiting is not None and oldest != self.image.oldest:
+            self.image.oldest = oldest
             self._paint_rows(np.flatnonzero(self.record.stamp < oldest))
-
-    def picture(self) -> NDArray[np.uint32]:
-        """Colours of the rows on screen, newest first, as 0xffRRGGBB."""
-        return self._image.picture(self.record.rows(self.record.shown(self.top)))
 
     def shown_columns(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Return the display columns of the rows on screen, newest first, and which of them are stored."""
         pings = self.record.shown(self.top)
         rows = self.record.rows(pings)
-        return self._image.columns(rows), self.record.ping[rows] == pings
+        return self.image.columns(rows), self.record.ping[rows] == pings
 
     def snapshot(self, mark: Mark) -> bytes:
         """Picture of the record about a bin as PNG, without what is painted over it."""
-        return self._image.snapshot(self.plot_area, self.projection, self.place_of(mark))
+        return self.image.snapshot(self.plot_area, self.projection, self.place_of(mark))
 
     def mark_at(self, place: QPoint) -> Mark | None:
         """Find the bin at a position of the widget; None outside the record."""
@@ -275,11 +259,11 @@ class RecordCanvas(QWidget):
         self._lay()
         self.tone_map = make_tone_map(self._look, self.levels)
         width = max(int(self.plot_area.width() * self.devicePixelRatioF()), 2)
-        self._image.fit(self.record, self.projection, self.tone_map, width)
+        self.image.fit(self.record, self.projection, self.tone_map, width)
         self.update()
 
     def _paint_rows(self, rows: Rows) -> None:
-        self._image.paint(rows, self.projection, self.tone_map)
+        self.image.paint(rows, self.projection, self.tone_map)
         self.update()
 
     @guard_override(None)
@@ -288,24 +272,22 @@ class RecordCanvas(QWidget):
         self._fit()
         super().resizeEvent(event)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the record, what lies over it, and the rulers."""
         plot, projection = self.plot_area, self.projection
-        with QPainter(self) as painter:
-            painter.fillRect(self.rect(), QColor(GROUND))
-            self._image.draw(painter, plot, projection)
-            draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
-            beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
-            draw_ping_ruler(painter, beside, projection, self._step, self._text)
-            first, last = (projection.newest - age for age in projection.ages)
-            strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
-            self._handle.draw(painter, self.top, strip, (first, last))
-            painter.save()
-            painter.setClipRect(plot)
-            self._draw_over(painter, plot)
-            painter.restore()
-            self._draw_trace(painter)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        self.image.draw(painter, plot, projection)
+        overlays.draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
+        beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
+        overlays.draw_ping_ruler(painter, beside, projection, self._step, self._text)
+        first, last = (projection.newest - age for age in projection.ages)
+        strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
+        self._handle.draw(painter, self.top, strip, (first, last))
+        painter.save()
+        painter.setClipRect(plot)
+        self._draw_over(painter, plot)
+        painter.restore()
+        self._draw_trace(painter)
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""
@@ -315,7 +297,7 @@ class RecordCanvas(QWidget):
             overlays.draw_bottom_line(painter, plot, self.projection)
         overlays.draw_range_bar(painter, plot, self.projection)
         if self.waiting is not None:
-            draw_waiting(painter, plot, self.waiting)
+            overlays.draw_waiting(painter, plot, self.waiting)
         elif self._preview:
             overlays.draw_word(painter, plot, "preview")
         self._marks.draw(painter, plot, self.place_of)

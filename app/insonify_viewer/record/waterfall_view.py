@@ -10,7 +10,6 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QWidget
@@ -155,18 +154,15 @@ class WaterfallView(RecordCanvas):
             self.setAccessibleName(f"Record {title}".strip())
             self.update()
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the record and its title."""
-        super().paintEvent(event)
-        plot, high = self.plot_area, self._scaled(16)
-        with QPainter(self) as painter:
-            painter.setPen(QColor(TEXT))
-            metrics = painter.fontMetrics()
-            room = plot.width() - 2 * metrics.horizontalAdvance("starboard") - 16
-            title = metrics.elidedText(self._title, Qt.TextElideMode.ElideMiddle, max(room, 0))
-            heading = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), high)
-            painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
+        super().paint(painter)
+        plot, metrics = self.plot_area, painter.fontMetrics()
+        painter.setPen(QColor(TEXT))
+        room = plot.width() - 2 * metrics.horizontalAdvance("starboard") - 16
+        title = metrics.elidedText(self._title, Qt.TextElideMode.ElideMiddle, max(room, 0))
+        heading = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), self._scaled(16))
+        painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
 
     def _take_handle(self, place: QPoint) -> bool:
         """Take hold of the handle of a target, unless a drag measures."""

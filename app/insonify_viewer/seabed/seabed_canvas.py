@@ -14,13 +14,13 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QResizeEvent,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.errors import guard_override
+from insonify_viewer.widgets.painting import Painted, image_of
 
 # PyVista is untyped.
 pv: Any = pyvista
@@ -119,7 +119,7 @@ class OffScreenCanvas:
         """Draw immediately."""
         start = time.perf_counter()
         self.plotter.render()
-        self.widget.show_pixels(np.ascontiguousarray(self.plotter.screenshot(return_img=True)))
+        self.widget.show_pixels(self.plotter.screenshot(return_img=True))
         self._took = time.perf_counter() - start
 
     def draw_time(self) -> float:
@@ -131,7 +131,7 @@ class OffScreenCanvas:
         self.plotter.close()
 
 
-class _PixelsWidget(QWidget):
+class _PixelsWidget(Painted):
     """A widget that shows an array of pixels."""
 
     def __init__(self, resized: Any, parent: QWidget) -> None:
@@ -141,8 +141,7 @@ class _PixelsWidget(QWidget):
         self.clicked: Callable[[float, float], None] = lambda x, y: None
 
     def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
-        height, width, _ = pixels.shape
-        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        self._image = image_of(pixels)
         self.update()
 
     @guard_override(None)
@@ -155,23 +154,39 @@ class _PixelsWidget(QWidget):
             return
         self.clicked(place.x(), self.height() - 1.0 - place.y())
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        with QPainter(self) as painter:
-            painter.drawImage(self.rect(), self._image)
+    def paint(self, painter: QPainter) -> None:
+        painter.drawImage(self.rect(), self._image)
 
 
-class RightClicks(QObject):
-    """Calls a function with the place of a right click, or of the key for a menu; a drag belongs to the view."""
+class SeabedInput(QObject):
+    """Turns a view by keys, zooms it by wheel and keys, and passes on right clicks; a drag belongs to the view."""
 
-    def __init__(self, widget: QWidget, clicked: Callable[[QPoint], None]) -> None:
+    # Other keys are left to the window, where + and − zoom the record. VTK's own event of the wheel lacks the position
+    # of the mouse.
+
+    def __init__(
+        self,
+        widget: QWidget,
+        *,
+        clicked: Callable[[QPoint], None],  # by the right button, or by the key for a menu
+        wheeled: Callable[[QPointF, float], None],  # the position of the mouse, and a magnification
+        turned: Callable[[float, float], None],
+        zoomed: Callable[[float], None],
+    ) -> None:
         super().__init__(widget)
         self._widget, self._clicked, self._pressed = widget, clicked, QPoint()
+        self._wheeled, self._turned, self._zoomed = wheeled, turned, zoomed
         widget.installEventFilter(self)
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Note where the right button is pressed, and whether it is released there."""
+        """Act on an event before the view does; return whether the view is not to have it."""
+        if isinstance(event, QWheelEvent):
+            if event.angleDelta().y() != 0:
+                self._wheeled(event.position(), CLOSER ** (event.angleDelta().y() / NOTCH))
+            return True
+        if isinstance(event, QKeyEvent):
+            return event.key() not in OF_FOCUS and self._press(event)
         if isinstance(event, QMouseEvent) and event.button() is Qt.MouseButton.RightButton:
             place = event.position().toPoint()
             if event.type() is QEvent.Type.MouseButtonPress:
@@ -182,46 +197,14 @@ class RightClicks(QObject):
             self._clicked(self._widget.rect().center())
         return False
 
-
-class Wheel(QObject):
-    """Calls a function with the position of the mouse and a magnification when the wheel is turned."""
-
-    def __init__(self, widget: QWidget, turned: Callable[[QPointF, float], None]) -> None:
-        super().__init__(widget)
-        self._turned = turned
-        widget.installEventFilter(self)
-
-    @guard_override(False)
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle the wheel here: VTK's own event of it lacks the position of the mouse."""
-        if not isinstance(event, QWheelEvent):
-            return False
-        if event.angleDelta().y() != 0:
-            self._turned(event.position(), CLOSER ** (event.angleDelta().y() / NOTCH))
-        return True
-
-
-class SeabedKeys(QObject):
-    """Turns and zooms a view by keys, and leaves all others to the window."""
-
-    # Elsewhere in the window + and − zoom the record.
-
-    def __init__(self, widget: QWidget, turn: Callable[[float, float], None], zoom: Callable[[float], None]) -> None:
-        super().__init__(widget)
-        self._turn, self._zoom = turn, zoom
-        widget.installEventFilter(self)
-
-    @guard_override(False)
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Act on the keys of the view before the shortcuts of the window do."""
-        if not isinstance(event, QKeyEvent) or event.key() in OF_FOCUS:
-            return False
+    def _press(self, event: QKeyEvent) -> bool:
+        """Act on a key of the view before the shortcuts of the window do."""
         key = event.key()  # a letter of another alphabet has no name in Qt.Key
         others = event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
         event.setAccepted(key in (*TURNS, *ZOOMS) and not others)
         if event.isAccepted() and event.type() is QEvent.Type.KeyPress:
             if key in TURNS:
-                self._turn(*TURNS[key])
+                self._turned(*TURNS[key])
             else:
-                self._zoom(ZOOMS[key])
+                self._zoomed(ZOOMS[key])
         return True

@@ -17,11 +17,12 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
 from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
-from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, RightClicks, SeabedKeys, Wheel
+from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedInput
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
 from insonify_viewer.state.inspection import SoundDrawing
-from insonify_viewer.widgets.painting import LIT
+from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.painting import LIT, image_of
 from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 
 # PyVista is untyped.
@@ -55,9 +56,7 @@ class SeabedView(QWidget):
         super().__init__(parent)
         self.setMinimumSize(200, 140)
         self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._canvas.widget)
+        fill(QVBoxLayout(self), self._canvas.widget, margins=(0, 0, 0, 0))
         self._reach = 0.0  # slant range of the sonar that is shown, m
         self.reset_camera()
         self._pose: Poses | None = None  # of the fish that is shown
@@ -72,16 +71,19 @@ class SeabedView(QWidget):
         self._canvas.on_turn(self._clip)
         self._canvas.on_hold(self._thin)
         self._canvas.on_click(self.look_at)
-        self._drawn, self._took = 0.0, 0.05
+        self._drawn, self.draw_time = 0.0, 0.05  # when the last drawing ended, and how long it took, in seconds
         self._awaited: Callable[[], None] | None = None
-        self._due = QTimer(self)
-        self._due.setSingleShot(True)
+        self._due = QTimer(self, singleShot=True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
         self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)
-        RightClicks(self._canvas.widget, self._want_menu)
-        Wheel(self._canvas.widget, lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor))
-        self.keys = SeabedKeys(self._canvas.widget, self.turn, self.magnify)
+        SeabedInput(
+            self._canvas.widget,
+            clicked=self._want_menu,
+            wheeled=lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor),
+            turned=self.turn,
+            zoomed=self.magnify,
+        )
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
     def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
@@ -221,9 +223,7 @@ class SeabedView(QWidget):
 
     def picture(self) -> QImage:
         """Draw the view with three times as many pixels along each side."""
-        pixels = np.ascontiguousarray(self._canvas.plotter.screenshot(return_img=True, scale=3))
-        height, width, _ = pixels.shape
-        return QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        return image_of(self._canvas.plotter.screenshot(return_img=True, scale=3))
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
@@ -360,7 +360,7 @@ class SeabedView(QWidget):
     def _later(self) -> None:
         """Schedule a drawing, with a pause after the last one."""
         if not self._due.isActive():
-            rest = self._drawn + REST * self._took - time.perf_counter()
+            rest = self._drawn + REST * self.draw_time - time.perf_counter()
             self._due.start(max(int(1000 * rest), 15))
 
     def draw_after(self, update: Callable[[], None]) -> None:
@@ -376,13 +376,8 @@ class SeabedView(QWidget):
         self._due.stop()
         self._show_guides()
         self._canvas.draw()
-        self._took = max(self._canvas.draw_time(), 0.01)
+        self.draw_time = max(self._canvas.draw_time(), 0.01)
         self._drawn = time.perf_counter()
-
-    @property
-    def draw_time(self) -> float:
-        """Seconds that the last drawing took."""
-        return float(self._took)
 
 
 def _place_of(pose: Poses) -> NDArray[np.float64]:

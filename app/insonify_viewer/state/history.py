@@ -105,13 +105,14 @@ class History:
         """Begin with a display, without a step."""
         self.present = replace(self.present, display=display)
 
-    def undo(self, steps: int) -> bool:
-        """Go back some steps; return whether there was one."""
-        return self._step(self._past, self._future, steps)
-
-    def redo(self, steps: int) -> bool:
-        """Go forward some steps; return whether there was one."""
-        return self._step(self._future, self._past, steps)
+    def step(self, steps: int) -> bool:
+        """Go forward some steps, or back by a negative number of them; return whether there was one."""
+        taken, given = (self._future, self._past) if steps > 0 else (self._past, self._future)
+        count = min(abs(steps), len(taken))
+        for _ in range(count):
+            given.append(self.present)
+            self.present = taken.pop()
+        return count > 0
 
     def take_back(self) -> None:
         """Take out the edit that led to the present scene and modelling; what was done to other things since stays."""
@@ -132,11 +133,3 @@ class History:
         changed = {name: value for name, value in display._asdict().items() if value != before[name]}
         self.present = replace(self.present, display=display)
         self._future = [replace(state, display=state.display._replace(**changed)) for state in self._future]
-
-    def _step(self, taken: list[State], given: list[State], steps: int) -> bool:
-        """Move from one list of states to the other."""
-        steps = min(steps, len(taken))
-        for _ in range(steps):
-            given.append(self.present)
-            self.present = taken.pop()
-        return steps > 0

@@ -1,6 +1,6 @@
 """Session: the scene, its modelling, contacts, their history, and the marked point; without widgets."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ class Session:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene  # the current scene, provisional edits included
-        self._history = History(State(scene, Modelling(), scene))
+        self.history = History(State(scene, Modelling(), scene))
         self._dragged = ""
         self.mark: Mark | None = None  # the marked point of the record
         self._saved = {"": scene}
@@ -42,45 +42,30 @@ class Session:
     @property
     def modelling(self) -> Modelling:
         """The modelling of the scene."""
-        return self._history.present.modelling
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """Contacts, in the order in which they were marked."""
-        return self._history.present.contacts
+        return self.history.present.modelling
 
     @property
     def display(self) -> DisplayOptions:
         """Display options of the simulated record and of recordings."""
-        return self._history.present.display
+        return self.history.present.display
 
     def show(self, name: str = "", **options: Any) -> None:
         """Change some of the display options, by a step of undo that takes up further changes of the same."""
         # While edits of the scene or of contacts can be redone, it is no step of its own: they stay.
         display = self.display._replace(**options)
         if display != self.display:
-            self._history.show(display, name or name_display(self.display, display))
+            self.history.show(display, name or name_display(self.display, display))
             self.displayed.emit(display)
 
     def show_first(self, **options: Any) -> None:
         """Begin with display options of an earlier start, without a step of undo."""
-        self._history.show_first(self.display._replace(**options))
+        self.history.show_first(self.display._replace(**options))
         self.displayed.emit(self.display)
 
     @property
     def opened(self) -> Scene:
         """The scene as it was opened, to which fields are reset."""
-        return self._history.present.opened
-
-    @property
-    def undoable(self) -> tuple[str, ...]:
-        """Names of the edits that can be undone, the last first."""
-        return self._history.undoable
-
-    @property
-    def redoable(self) -> tuple[str, ...]:
-        """Names of the edits that can be redone, the next first."""
-        return self._history.redoable
+        return self.history.present.opened
 
     def drag(self, changes: Mapping[str, Any]) -> bool:
         """Apply changes provisionally to the last settled scene; return whether they are valid."""
@@ -106,8 +91,8 @@ class Session:
 
     def list_contacts(self, contacts: Iterable[Contact], name: str) -> None:
         """Put other contacts in place of the present ones, as one step of undo of a name; a drag goes on."""
-        before = self._history.present
-        self._history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
+        before = self.history.present
+        self.history.turn_to(replace(before, contacts=tuple(contacts), edit=name))
         self._announce_contacts(before)
 
     @property
@@ -144,16 +129,16 @@ class Session:
 
     def undo(self, steps: int = 1) -> None:
         """Go back some steps."""
-        self._step(self._history.undo, steps)
+        self._step(-steps)
 
     def redo(self, steps: int = 1) -> None:
         """Go forward some steps."""
-        self._step(self._history.redo, steps)
+        self._step(steps)
 
     def take_back(self) -> None:
         """Return from a scene that cannot be simulated, without a step to redo."""
-        if self.scene == self._history.present.scene:
-            self._history.take_back()
+        if self.scene == self.history.present.scene:
+            self.history.take_back()
         self._show_scene()
 
     def point_at(self, mark: Mark | None) -> None:
@@ -162,14 +147,14 @@ class Session:
             self.mark = mark
             self.marked.emit(mark)
 
-    def _step(self, move: Callable[[int], bool], steps: int) -> None:
+    def _step(self, steps: int) -> None:
         """Move through the history, and announce what differs there."""
-        before = self._history.present
-        if not move(steps):
+        before = self.history.present
+        if not self.history.step(steps):
             return
         self.said.emit("")
         self._announce_contacts(before)
-        now = self._history.present
+        now = self.history.present
         if now.display != before.display:
             self.displayed.emit(now.display)
         if now.scene is not self.scene or (now.modelling, now.opened) != (before.modelling, before.opened):
@@ -177,22 +162,22 @@ class Session:
 
     def _turn_to(self, **changes: Any) -> None:
         """Change the present state by one step, and show its scene, in place of one that is dragged."""
-        self._history.turn_to(replace(self._history.present, **changes))
+        self.history.turn_to(replace(self.history.present, **changes))
         self._show_scene()
 
     def _show_scene(self) -> None:
-        self.scene = self._history.present.scene
+        self.scene = self.history.present.scene
         self.changed.emit(self.scene, True)
 
     def _announce_contacts(self, before: State) -> None:
-        if self._history.present.contacts != before.contacts:
+        if self.history.present.contacts != before.contacts:
             self.contacts_changed.emit()
 
     def _edited(self, changes: Mapping[str, Any], said: str = "") -> Scene | None:
         """Edit the settled scene; report an invalid edit and return None for it."""
         try:
-            complete, remark = add_dependent_edits(self._history.present.scene, changes)
-            scene = edit(self._history.present.scene, complete)
+            complete, remark = add_dependent_edits(self.history.present.scene, changes)
+            scene = edit(self.history.present.scene, complete)
         except SceneError as error:
             self.refused.emit(error)
             return None
@@ -219,8 +204,8 @@ class ContactList:
 
     @property
     def all(self) -> tuple[Contact, ...]:
-        """Every contact."""
-        return self._session.contacts
+        """Every contact, in the order of marking."""
+        return self._session.history.present.contacts
 
     @property
     def unsaved(self) -> bool:

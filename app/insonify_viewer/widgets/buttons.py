@@ -1,46 +1,63 @@
-"""Makers of push buttons, labels and actions, and icons in the colours of the theme."""
+"""Makers of widgets, push buttons, labels and actions, and icons in the colours of the theme."""
 
+from collections.abc import Callable
 from functools import cache
+from typing import Any, TypeVar
 
-from PySide6.QtCore import QByteArray, QRectF, Qt
+from PySide6.QtCore import QByteArray, QObject, QRectF, Qt
 from PySide6.QtGui import QAction, QIcon, QImage, QKeySequence, QPainter, QPalette, QPixmap
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from insonify.files import resources
 
 SIDES = (20, 40, 80)  # px, for screens at once, twice and four times the scale
 NAME = "icon_name"  # property that holds the name of the icon
+Made = TypeVar("Made", bound=QObject)
 
 
-def push_button(text: str, tip: str, *, style: str = "tool", wide: bool = False) -> QPushButton:
+def make(kind: type[Made], *given: Any, **properties: Any) -> Made:
+    """Make a widget with properties of its class and of those before it, of which Qt's stubs know the former alone."""
+    construct: Any = kind
+    made: Made = construct(*given, **properties)
+    return made
+
+
+def push_button(
+    text: str, tip: str, do: Callable[[], object] | None = None, *, style: str = "tool", wide: bool = False
+) -> QPushButton:
     """Make a button that the Tab key reaches; a click leaves the keyboard where it is."""
-    button = QPushButton(text)
-    button.setObjectName(style)
-    button.setToolTip(tip)
-    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    button = make(QPushButton, text, objectName=style, toolTip=tip, focusPolicy=Qt.FocusPolicy.TabFocus)
     if wide:
         button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    if do is not None:
+        button.clicked.connect(lambda: do())
     return button
+
+
+def tick_box(text: str, tip: str) -> QCheckBox:
+    """Make a box to tick that the Tab key reaches; a click leaves the keyboard to the record, where Space pauses."""
+    return make(QCheckBox, text, toolTip=tip, focusPolicy=Qt.FocusPolicy.TabFocus)
 
 
 def make_label(style: str, text: str = "", *, form: Qt.TextFormat = Qt.TextFormat.PlainText) -> QLabel:
     """Make a label that wraps its text and lets the person copy it."""
-    label = QLabel(text)
-    label.setObjectName(style)
-    label.setWordWrap(True)
-    label.setTextFormat(form)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
+    copied = Qt.TextInteractionFlag.TextSelectableByMouse
+    return make(QLabel, text, objectName=style, wordWrap=True, textFormat=form, textInteractionFlags=copied)
 
 
 def make_action(
-    owner: QWidget, text: str, tip: str, key: QKeySequence | QKeySequence.StandardKey | str = ""
+    owner: QWidget,
+    text: str,
+    tip: str,
+    key: QKeySequence | QKeySequence.StandardKey | str = "",
+    do: Callable[[], object] | None = None,
 ) -> QAction:
-    """Make an action with its shortcut, which the tooltip names as the system writes it."""
-    action = QAction(text, owner)
-    action.setShortcut(QKeySequence(key))
-    action.setToolTip(with_key(tip, action.shortcut()))
+    """Make an action that calls a function, with its shortcut, which the tooltip names as the system writes it."""
+    shortcut = QKeySequence(key)
+    action = QAction(text, owner, shortcut=shortcut, toolTip=with_key(tip, shortcut))
+    if do is not None:
+        action.triggered.connect(lambda: do())
     return action
 
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QPushButton, QSizePolicy, QSlider
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QSizePolicy, QSlider
 
 from insonify.scene.edit import parse_quantity
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.state.quantities import format_quantity, slider_position, slider_value
-from insonify_viewer.widgets.buttons import set_property
+from insonify_viewer.widgets.buttons import make, push_button, set_property
 from insonify_viewer.widgets.text import entry_name, literal
 
 STEPS = 1000
@@ -117,9 +117,7 @@ class NumberRow:
         self.slider = _Slider()
         if number.slider is None:
             self.slider.hide()
-        self.field = QLineEdit()
-        self.field.setObjectName("value")
-        self.field.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.field = make(QLineEdit, objectName="value", alignment=Qt.AlignmentFlag.AlignRight)
         self.field.ensurePolished()
         self.field.setFixedWidth(self.field.fontMetrics().horizontalAdvance(LONGEST) + 6)
         self.slider.valueChanged.connect(self._moved)
@@ -222,9 +220,7 @@ class FileRow:
 
     def __init__(self, file: FileField, asked: Callable[[str], None]) -> None:
         self.label = NameLabel(file.label, file.tooltip, file.indent)
-        self.button = QPushButton()
-        self.button.setObjectName("file")
-        self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.button = push_button("", file.tooltip, style="file")
         self.button.setAccessibleName(file.name or file.label)
         self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is clipped
         self.button.clicked.connect(lambda: asked(file.path))

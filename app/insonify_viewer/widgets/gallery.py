@@ -5,6 +5,8 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QDialog, QListView, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from insonify.files import bundled_picture
+from insonify_viewer.widgets.buttons import make
+from insonify_viewer.widgets.layouts import fill
 
 PICTURE = QSize(150, 100)  # px, as the files are
 CELL = QSize(184, 164)  # px, with three lines of text
@@ -22,9 +24,7 @@ class Gallery(QDialog):
         self.list = choices_list(title)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.list)
+        fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))
         self.resize(QSize(4 * CELL.width() + 40, 4 * CELL.height()).boundedTo(window.window().size()))
 
     def add(self, path: str, title: str, tip: str) -> None:
@@ -40,15 +40,12 @@ class Gallery(QDialog):
 
 def choices_list(name: str) -> QListWidget:
     """Make a list of pictures with names."""
-    choices = QListWidget()
-    choices.setObjectName("choices")
-    choices.setAccessibleName(name)
+    choices = make(QListWidget, objectName="choices", accessibleName=name, wordWrap=True)
     choices.setViewMode(QListView.ViewMode.IconMode)
     choices.setResizeMode(QListView.ResizeMode.Adjust)
     choices.setMovement(QListView.Movement.Static)
     choices.setIconSize(PICTURE)
     choices.setGridSize(CELL)
-    choices.setWordWrap(True)
     return choices
 
 

@@ -9,9 +9,7 @@ class Later(QTimer):
     """Calls the last function that it was given, a time after the last request or, not ``anew``, after the first."""
 
     def __init__(self, parent: QObject, milliseconds: int, *, anew: bool = True) -> None:
-        super().__init__(parent)
-        self.setSingleShot(True)
-        self.setInterval(milliseconds)
+        super().__init__(parent, singleShot=True, interval=milliseconds)
         self._anew = anew
         self._call: Callable[[], object] = lambda: None
         self.timeout.connect(lambda: self._call())

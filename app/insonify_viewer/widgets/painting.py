@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
 
@@ -19,14 +19,32 @@ HEADROOM = 24  # times the upper level that takes the last colour: 28 dB
 POINT = 16  # bytes of a QPointF, two doubles
 wrap_memory: Any = VoidPtr  # its types leave out that it makes a writable buffer of an object
 RING, DOT = 7.0, 3.0  # px
+FORMATS = {1: QImage.Format.Format_Grayscale8, 3: QImage.Format.Format_RGB888, 4: QImage.Format.Format_RGBA8888}
 LIT = "#ff5fd2"  # distinct from the mark and from every palette
 
 
-class PaintedOnce(QWidget):
+class Painted(QWidget):
+    """A widget with one method that paints it, and properties of a widget by name."""
+
+    def __init__(self, parent: QWidget | None = None, **properties: Any) -> None:
+        super().__init__(parent, **properties)
+
+    def paint(self, painter: QPainter) -> None:
+        """Paint the widget as it is now."""
+        raise NotImplementedError
+
+    @guard_override(None)
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Paint with a painter of the widget."""
+        with QPainter(self) as painter:
+            self.paint(painter)
+
+
+class PaintedOnce(Painted):
     """A widget that keeps its picture until its size, its theme or what it shows changes."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(**properties)
         self._picture: QPixmap | None = None
 
     def paint_anew(self) -> None:
@@ -38,7 +56,7 @@ class PaintedOnce(QWidget):
         """Paint the picture that is kept."""
         raise NotImplementedError
 
-    def draw_picture(self, painter: QPainter) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the picture, which is painted first if it is not there."""
         if self._picture is None:
             ratio = self.devicePixelRatioF()
@@ -49,13 +67,6 @@ class PaintedOnce(QWidget):
                 inner.setFont(self.font())
                 self.paint_picture(inner)
         painter.drawPixmap(0, 0, self._picture)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the picture."""
-        del event
-        with QPainter(self) as painter:
-            self.draw_picture(painter)
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -142,6 +153,14 @@ def two_sided_table() -> NDArray[np.uint32]:
     share = np.linspace(-1.0, 1.0, 256)[:, None]
     mixed = none + np.maximum(-share, 0.0) * (low - none) + np.maximum(share, 0.0) * (high - none)
     return colour_table(np.rint(mixed).astype(np.uint8))
+
+
+def image_of(pixels: NDArray[np.uint8]) -> QImage:
+    """Copy pixels into an image: (rows, columns) grey, or (rows, columns, 3 or 4) red, green, blue, opacity."""
+    pixels = np.ascontiguousarray(pixels)
+    rows, columns = pixels.shape[:2]
+    depth = pixels[0, 0].size
+    return QImage(pixels.data, columns, rows, columns * depth, FORMATS[depth]).copy()
 
 
 def draw_veil(painter: QPainter, area: QRect) -> None:

@@ -5,6 +5,8 @@ from typing import ClassVar
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
+from insonify_viewer.widgets.buttons import make
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import scaled
 
 
@@ -16,8 +18,7 @@ class ScrollColumn(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.body = QWidget()
-        self.body.setObjectName("panel")
+        self.body = make(QWidget, objectName="panel")
         self.column = QVBoxLayout(self.body)
         self.setWidget(self.body)
 
@@ -33,8 +34,7 @@ class SidePanel(ScrollColumn):
         self.setMinimumWidth(min(wanted, self.narrowest))
         self.body.setMinimumWidth(wanted - self.verticalScrollBar().sizeHint().width())
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
-        self.column.setContentsMargins(8, 8, 8, 8)
-        self.column.setSpacing(6)
+        fill(self.column, margins=(8, 8, 8, 8), spacing=6)
 
 
 class FoldingBox(QWidget):
@@ -42,25 +42,14 @@ class FoldingBox(QWidget):
 
     def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
         super().__init__()
-        self._heading = QToolButton()
-        self._heading.setObjectName("heading")
+        both = Qt.ToolButtonStyle.ToolButtonTextBesideIcon
+        self._heading = make(QToolButton, objectName="heading", toolButtonStyle=both, checkable=True, checked=unfolded)
         self.entitle(title)
-        self._heading.setCheckable(True)
-        self._heading.setChecked(unfolded)
-        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._heading.toggled.connect(self._fold)
         self._body = body
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        top = QHBoxLayout()
-        top.setSpacing(3)
-        top.addWidget(self._heading)
-        if beside is not None:
-            top.addWidget(beside)
-        column.addLayout(top)
-        column.addWidget(body)
+        top = fill(QHBoxLayout(), self._heading, *([] if beside is None else [beside]), spacing=3)
+        fill(QVBoxLayout(self), top, body, margins=(0, 0, 0, 0), spacing=0)
         self._fold(unfolded)
 
     @property

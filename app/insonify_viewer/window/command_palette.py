@@ -9,6 +9,8 @@ from PySide6.QtWidgets import QDialog, QLineEdit, QListWidget, QListWidgetItem, 
 
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.panels.panel import Entry
+from insonify_viewer.widgets.buttons import make
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
 from insonify_viewer.window.help_dialogs import commands_of
@@ -27,19 +29,13 @@ class CommandPalette(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Find a command, scene, lesson or parameter")
         self._entries, self._found = entries, list(entries)
-        self.search, self.list = QLineEdit(), QListWidget()
-        self.search.setObjectName("search")
-        self.search.setPlaceholderText("Find a command, scene, lesson or parameter")
-        self.search.setAccessibleName("Find")
-        self.list.setObjectName("choices")
-        self.list.setAccessibleName("Found")
+        self.search = make(QLineEdit, objectName="search", accessibleName="Find", placeholderText=self.windowTitle())
+        self.list = make(QListWidget, objectName="choices", accessibleName="Found")
         self.search.textChanged.connect(self._show)
         self.search.returnPressed.connect(self._do)
         self.list.itemClicked.connect(lambda _: self._do())
         self.list.itemActivated.connect(lambda _: self._do())
-        layout = QVBoxLayout(self)
-        layout.addWidget(self.search)
-        layout.addWidget(self.list, 1)
+        fill(QVBoxLayout(self), self.search, self.list, growing=self.list)
         self.resize(*(scaled(self, pixels) for pixels in SIZE))
         self._show("")
 

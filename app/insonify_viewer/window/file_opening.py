@@ -62,7 +62,7 @@ class FileOpening:
         self._recordings, self._contacts, self._saving = recordings, contacts, saving
         self._folder = str(next(iter(bundled_scenes().values())).parent)
         window.files_wanted.connect(self.open_dropped)
-        window.contacts_wanted.connect(self.ask_for_contacts)
+        window.open_contacts.triggered.connect(self.ask_for_contacts)
         window.scenes.wanted.connect(self.open_scene)
         window.recent.wanted.connect(self.open_recent)
         window.new_scene.triggered.connect(self.ask_for_new_scene)

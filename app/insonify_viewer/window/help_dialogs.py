@@ -17,6 +17,8 @@ from PySide6.QtWidgets import (
 
 from insonify.files import resources
 from insonify_viewer.errors import list_versions, version_of
+from insonify_viewer.widgets.buttons import make
+from insonify_viewer.widgets.layouts import fill
 
 _NATIVE = QKeySequence.SequenceFormat.NativeText
 ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
@@ -30,8 +32,7 @@ class KeysDialog(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("Keyboard shortcuts")
-        self.list = QTreeWidget()
-        self.list.setAccessibleName("Keyboard shortcuts")
+        self.list = make(QTreeWidget, accessibleName="Keyboard shortcuts")
         self.list.setHeaderLabels(["command", "key"])
         for menu in menus:
             self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in commands_of(menu)])
@@ -41,9 +42,7 @@ class KeysDialog(QDialog):
         self.list.expandAll()
         for column in range(2):
             self.list.resizeColumnToContents(column)
-        layout = QVBoxLayout(self)
-        layout.addWidget(self.list)
-        layout.addWidget(_closing(self))
+        fill(QVBoxLayout(self), self.list, _closing(self))
         self.resize(self.list.columnWidth(0) + self.list.columnWidth(1) + ROOM, HIGH)
 
     def _add(self, title: str, keys: list[tuple[str, QKeySequence | str]]) -> None:
@@ -61,17 +60,12 @@ class AboutDialog(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle("About insonify")
-        words = QLabel(about())
-        words.setAccessibleName("About insonify")
-        words.setTextInteractionFlags(
-            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
-        )
+        copied = Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        words = make(QLabel, about(), accessibleName="About insonify", textInteractionFlags=copied)
         buttons = _closing(self)
         self.copy = buttons.addButton("Copy", QDialogButtonBox.ButtonRole.ActionRole)
         self.copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(about()))
-        layout = QVBoxLayout(self)
-        layout.addWidget(words)
-        layout.addWidget(buttons)
+        fill(QVBoxLayout(self), words, buttons)
 
 
 def about() -> str:

@@ -8,7 +8,8 @@ from PySide6.QtGui import QAction, QColor, QCursor, QGuiApplication, QKeySequenc
 from PySide6.QtWidgets import QHBoxLayout, QMainWindow, QMenu, QSplitter, QToolBar, QVBoxLayout, QWidget
 
 from insonify_viewer.state.playlist import KEYS
-from insonify_viewer.widgets.buttons import make_action, push_button
+from insonify_viewer.widgets.buttons import make, make_action, push_button
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import entry_name
 from insonify_viewer.widgets.theme import ACCENT_IN_WATER, HALO, lecture_scale
 from insonify_viewer.window.panel_docks import PanelDocks
@@ -38,7 +39,8 @@ class Lecture(QObject):
         self._black = QWidget(window)
         self._black.setStyleSheet("background: black")
         self._black.hide()
-        self._strip, self._controls = QToolBar("Lecture", window), QHBoxLayout()
+        self._strip = make(QToolBar, "Lecture", window, objectName="lecture", movable=False)
+        self._controls = QHBoxLayout()
         self._lay_strip()
         self.open = make_action(window, "Open presets…", "Open a file of presets for a lecture")
         self.save = make_action(window, "Save presets…", "Write the presets of the lecture into a file, to pass it on")
@@ -51,9 +53,8 @@ class Lecture(QObject):
         """Add what keeps, opens and saves presets to a menu."""
         keep = menu.addMenu("Keep as preset")
         for key in KEYS:
-            action = make_action(self._window, f"Preset {key}", f"Keep scene and display on key {key}", f"Ctrl+{key}")
-            action.triggered.connect(partial(self.preset_kept.emit, key))
-            keep.addAction(action)
+            tip, kept = f"Keep scene and display on key {key}", partial(self.preset_kept.emit, key)
+            keep.addAction(make_action(self._window, f"Preset {key}", tip, f"Ctrl+{key}", kept))
         menu.addActions([self.open, self.save])
 
     def mount(self, strips: Sequence[QWidget]) -> None:
@@ -67,9 +68,8 @@ class Lecture(QObject):
             if (button := item.widget()) is not None:
                 button.deleteLater()
         for key, title in sorted(titles.items()):
-            button = push_button(entry_name(f"{key}  {title}"), f"Show this preset ({key})", style="small")
-            button.clicked.connect(partial(self.preset_wanted.emit, key))
-            self._presets.addWidget(button)
+            tip, show = f"Show this preset ({key})", partial(self.preset_wanted.emit, key)
+            self._presets.addWidget(push_button(entry_name(f"{key}  {title}"), tip, show, style="small"))
         self._presets.addStretch(1)
 
     def blank(self) -> None:
@@ -97,14 +97,9 @@ class Lecture(QObject):
             self.action.setChecked(False)
 
     def _lay_strip(self) -> None:
-        self._strip.setObjectName("lecture")
-        self._strip.setMovable(False)
-        inner = QWidget()
-        column, presets = QVBoxLayout(inner), QWidget()
-        column.addLayout(self._controls)
-        self._presets = QHBoxLayout(presets)
-        self._presets.setContentsMargins(8, 0, 8, 0)
-        column.addWidget(presets)
+        inner, presets = QWidget(), QWidget()
+        self._presets = fill(QHBoxLayout(presets), margins=(8, 0, 8, 0))
+        fill(QVBoxLayout(inner), self._controls, presets)
         self._strip.addWidget(inner)
         self._window.addToolBar(Qt.ToolBarArea.BottomToolBarArea, self._strip)
         self._strip.hide()

@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QMainWindow,
     QMenu,
-    QSplitter,
     QStyle,
     QToolBar,
     QToolButton,
@@ -26,7 +25,8 @@ from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverl
 from insonify_viewer.record.comparison.record_a_view import RecordAView, RecordsSideBySide
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.tow_clock import SPEEDS
-from insonify_viewer.widgets.buttons import make_action, set_icon, with_key
+from insonify_viewer.widgets.buttons import make, make_action, set_icon, with_key
+from insonify_viewer.widgets.layouts import make_splitter
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import lecture_scale, scaled
 from insonify_viewer.window.command_palette import CommandPalette, entries_of_menus, entries_of_scenes
@@ -59,13 +59,10 @@ GAIN_REACH = 30  # dB either way
 class MainWindow(QMainWindow):
     """Holds views and panels, and signals the person's requests."""
 
-    gain_changed = Signal(float)
-    speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
     closing = Signal()
     files_wanted = Signal(list)  # paths of files that are dropped together
-    contacts_wanted = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
@@ -77,15 +74,10 @@ class MainWindow(QMainWindow):
         self.resize(usual.expandedTo(screen * ROOMY).boundedTo(screen))
         self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
-        self.trace = make_action(self, "Echo", "Show the echo of one ping as a curve below the record", "E")
-        self.trace.triggered.connect(self.waterfall.toggle_trace)
-        self._placeholder = QLabel("loading the 3-D view …")
-        self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._splitter = QSplitter(Qt.Orientation.Horizontal)
-        self._splitter.addWidget(self._placeholder)
-        self._splitter.addWidget(self.waterfall)
-        self._splitter.setSizes([*VIEWS])
-        self._splitter.setChildrenCollapsible(False)
+        tip = "Show the echo of one ping as a curve below the record"
+        self.trace = make_action(self, "Echo", tip, "E", self.waterfall.toggle_trace)
+        self._placeholder = QLabel("loading the 3-D view …", alignment=Qt.AlignmentFlag.AlignCenter)
+        self._splitter = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
         self._room = PanelRoom(self, self._splitter)
@@ -256,9 +248,7 @@ class MainWindow(QMainWindow):
         panel.opened(True)
 
     def _add_tools(self, palettes: tuple[str, ...]) -> None:
-        bar = QToolBar("Tools", self)
-        bar.setObjectName("tools")
-        bar.setMovable(False)
+        bar = make(QToolBar, "Tools", self, objectName="tools", movable=False)
         bar.setIconSize(QSize(1, 1) * scaled(self, bar.iconSize().width()))
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
@@ -286,7 +276,6 @@ class MainWindow(QMainWindow):
         speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
         self.speed = make_combo(speeds, "Speed of the tow")
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
-        self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
         bar.addWidget(self.speed)
         bar.addSeparator()
         self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
@@ -297,11 +286,9 @@ class MainWindow(QMainWindow):
 
     def _add_targets(self, bar: QToolBar) -> None:
         """Add the menu with every kind of target."""
-        self.targets = QToolButton()
-        self.targets.setText("Target")
-        self.targets.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        shown, opens = Qt.ToolButtonStyle.ToolButtonTextBesideIcon, QToolButton.ToolButtonPopupMode.InstantPopup
+        self.targets = make(QToolButton, text="Target", toolButtonStyle=shown, popupMode=opens)
         self.targets.setToolTip("Add a target on the bed, abeam of the track")
-        self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self.targets)
         for kind, name in target_menu().items():
             action = QAction(name, menu)
@@ -323,15 +310,11 @@ class MainWindow(QMainWindow):
         self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
-        self.gain.valueChanged.connect(self._gain_moved)
+        self.gain.valueChanged.connect(lambda tenths: self._gain_text.setText(f"{tenths / 10:g} dB"))
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
         bar.addWidget(self._gain_text)
         self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", "A")
-
-    def _gain_moved(self, tenths: int) -> None:
-        self._gain_text.setText(f"{tenths / 10:g} dB")
-        self.gain_changed.emit(tenths / 10.0)
 
     def _add_status(self) -> None:
         status = self.statusBar()
@@ -347,12 +330,12 @@ class MainWindow(QMainWindow):
         menus = self.menus
         menus.file.addMenu(self.scenes.menu()).setText("Scenes")
         menus.group("File", [self.new_scene, self.open_scene, self.open_recording, self.open_dem])
-        contacts = menus.add("File", "Open contacts…", "Open a file of contacts, which replaces the list")
-        contacts.triggered.connect(lambda: self.contacts_wanted.emit())
+        tip = "Open a file of contacts, which replaces the list"
+        self.open_contacts = menus.add("File", "Open contacts…", tip)
         menus.file.addMenu(self.recent)
         menus.group("File", [self.save.scene, self.save.scene_as, self.save.record, self.save.picture])
         menus.file.addSeparator()
-        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q", self.close)
         menus.group("Edit", [self.undo, self.redo])
         menus.edit.addSeparator()
         menus.edit.addMenu(self.targets.menu()).setText("Add a target")
@@ -367,12 +350,11 @@ class MainWindow(QMainWindow):
         self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
         tip = "Find a command, scene, lesson or parameter by some letters of its name"
-        menus.add("Help", "Find…", tip, "Ctrl+Shift+P").triggered.connect(self.open_palette)
-        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
-        keys.triggered.connect(lambda: KeysDialog(self, menus.all).show())
-        menus.add("Help", "Tour", "See the window in five steps").triggered.connect(self.tour.begin)
-        about = menus.add("Help", "About insonify", "Versions, licence, citation")
-        about.triggered.connect(lambda: AboutDialog(self).show())
+        menus.add("Help", "Find…", tip, "Ctrl+Shift+P", self.open_palette)
+        tip = "Every command that has a key"
+        menus.add("Help", "Keyboard shortcuts", tip, "?", lambda: KeysDialog(self, menus.all).show())
+        menus.add("Help", "Tour", "See the window in five steps", do=self.tour.begin)
+        menus.add("Help", "About insonify", "Versions, licence, citation", do=lambda: AboutDialog(self).show())
         self._show_icons()
 
     def _show_icons(self) -> None:

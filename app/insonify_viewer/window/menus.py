@@ -8,7 +8,7 @@ from PySide6.QtGui import QAction, QActionGroup, QGuiApplication, QKeySequence
 from PySide6.QtWidgets import QApplication, QComboBox, QMainWindow, QMenu, QSlider, QToolBar, QToolButton, QWidget
 
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import make_action, refresh_icons
+from insonify_viewer.widgets.buttons import make, make_action, refresh_icons
 from insonify_viewer.widgets.text import entry_name, literal
 from insonify_viewer.widgets.theme import Theme, apply_theme
 from insonify_viewer.window.settings import SIZES, Settings
@@ -33,10 +33,10 @@ class Menus(QObject):
         """Menu of a title such as ``View``."""
         return self.all[TITLES.index(title)]
 
-    def add(self, title: str, text: str, tip: str, key: str = "") -> QAction:
+    def add(self, title: str, text: str, tip: str, key: str = "", do: Callable[[], object] | None = None) -> QAction:
         """Append a command to the menu of a title and return its action."""
         menu = self.named(title)
-        action = make_action(menu, text, tip, key)
+        action = make_action(menu, text, tip, key, do)
         menu.addAction(action)
         return action
 
@@ -74,15 +74,9 @@ class HistoryMenus(QObject):
             action.setIconText(word)  # which the tool bar shows
             action.setToolTip(literal(f"{name} ({key})"))
             action.setEnabled(bool(edits))
-            _fill(menu, word, edits)
-
-
-def _fill(menu: QMenu, word: str, edits: Sequence[str]) -> None:
-    """List edits in a menu; an entry undoes or redoes all down to it."""
-    menu.clear()
-    for steps, edit in enumerate(edits[:MOST], 1):
-        entry = menu.addAction(entry_name(f"{word}: {edit}"))
-        entry.setData(steps)
+            menu.clear()
+            for steps, edit in enumerate(edits[:MOST], 1):  # an entry undoes or redoes all down to it
+                menu.addAction(entry_name(f"{word}: {edit}")).setData(steps)
 
 
 class RecentMenu(QMenu):
@@ -91,9 +85,8 @@ class RecentMenu(QMenu):
     wanted = Signal(str)
 
     def __init__(self, window: QWidget, settings: Settings) -> None:
-        super().__init__("Open recent", window)
+        super().__init__("Open recent", window, toolTipsVisible=True)
         self._settings = settings
-        self.setToolTipsVisible(True)
         self.aboutToShow.connect(self.fill)
         self.triggered.connect(self._pick)
         self.fill()
@@ -123,12 +116,10 @@ class SaveMenu(QToolButton):
     """A button with one action for each kind of file."""
 
     def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
+        super().__init__(window, popupMode=QToolButton.ToolButtonPopupMode.InstantPopup)
         self.setText("Save")
         self.setToolTip("Save scene, record or window")
-        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        menu = QMenu(self)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self, toolTipsVisible=True)
         self.scene = make_action(menu, "Save scene", "Save the scene in its file", "Ctrl+S")
         tip = "Save the scene as a TOML file of another name"
         self.scene_as = make_action(menu, "Save scene as…", tip, "Ctrl+Shift+S")
@@ -178,10 +169,8 @@ def _choices(menu: QMenu, entries: list[tuple[str, object]], chosen: object) -> 
     """Fill a menu with entries of which one is chosen."""
     group = QActionGroup(menu)
     for text, data in entries:
-        action = group.addAction(text)
-        action.setCheckable(True)
+        action = group.addAction(QAction(text, group, checkable=True, checked=data == chosen))
         action.setData(data)
-        action.setChecked(data == chosen)
         menu.addAction(action)
     return group.actions()
 
@@ -201,11 +190,8 @@ class GainSlider(QSlider):
 
 def make_combo(entries: Sequence[tuple[str, object]], name: str) -> QComboBox:
     """Make a list of entries (text, data) with a name for screen readers, which is its tooltip too."""
-    combo = QComboBox()
     # A click leaves the keyboard focus to the record, where Space pauses.
-    combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    combo.setToolTip(name)
-    combo.setAccessibleName(name)
+    combo = make(QComboBox, toolTip=name, accessibleName=name, focusPolicy=Qt.FocusPolicy.TabFocus)
     for text, data in entries:
         combo.addItem(text, data)
     return combo

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDockWidget, QMainWindow, QSplitter, QTabBar, QTab
 
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.panel import Panel, Place
+from insonify_viewer.widgets.buttons import make
 from insonify_viewer.widgets.theme import scaled
 
 HANDLES = 24  # px, of the lines between the parts
@@ -34,19 +35,15 @@ class PanelRoom(QObject):
     def __init__(self, window: QMainWindow, splitter: QSplitter) -> None:
         super().__init__(window)
         self._window, self._splitter = window, splitter
-        self._homes: dict[QDockWidget, Place] = {}
+        self.homes: dict[QDockWidget, Place] = {}  # where each panel is where there is room
         self._making = False
         self.resting = False  # whether the panels stay as they are
         window.installEventFilter(self)
 
     def watch(self, dock: QDockWidget, place: Place) -> None:
         """Make room whenever a dock opens or closes."""
-        self._homes[dock] = place
+        self.homes[dock] = place
         dock.installEventFilter(self)
-
-    def home_of(self, dock: QDockWidget) -> Place:
-        """Place of a panel's dock where there is room."""
-        return self._homes[dock]
 
     def make(self) -> None:
         """Place the panels anew, and show the 3-D view where there is room for it."""
@@ -58,7 +55,7 @@ class PanelRoom(QObject):
             self._making = False
 
     def _open(self, place: Place) -> list[QDockWidget]:
-        return [dock for dock, home in self._homes.items() if home is place and not dock.isHidden()]
+        return [dock for dock, home in self.homes.items() if home is place and not dock.isHidden()]
 
     def _height_beside(self, left: int) -> int:
         """Height that the views need beside panels at the right side and some width at the left one."""
@@ -125,7 +122,7 @@ class PanelRoom(QObject):
 
     def _narrowest(self, area: Qt.DockWidgetArea) -> int:
         """Least width of the panels that are open at a side, 0 without any."""
-        docks = [dock for dock in self._homes if not dock.isHidden() and self._window.dockWidgetArea(dock) is area]
+        docks = [dock for dock in self.homes if not dock.isHidden() and self._window.dockWidgetArea(dock) is area]
         return max((dock.minimumSizeHint().width() for dock in docks), default=0)
 
 
@@ -192,7 +189,7 @@ class PanelDocks:
         widths = [dock.width() for dock in front]
         self._room.resting = True
         for dock in shown:
-            if self._room.home_of(dock) is Place.LEFT:
+            if self._room.homes[dock] is Place.LEFT:
                 window.addDockWidget(AREAS[Place.BELOW], dock)
                 window.resizeDocks([dock], [height], Qt.Orientation.Vertical)
             else:
@@ -214,9 +211,8 @@ class PanelDocks:
 
     def _dock(self, panel: Panel, area: Qt.DockWidgetArea) -> QDockWidget:
         """Put a panel at a side, without a title bar."""
-        dock = QDockWidget(panel.title, self._window)
-        dock.setObjectName(panel.name)
-        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
+        fixed = QDockWidget.DockWidgetFeature.NoDockWidgetFeatures
+        dock = make(QDockWidget, panel.title, self._window, objectName=panel.name, features=fixed)
         dock.setTitleBarWidget(QWidget())
         dock.setWidget(panel.widget)
         self._window.addDockWidget(area, dock)

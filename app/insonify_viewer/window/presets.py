@@ -44,7 +44,7 @@ class Presets:
     def keep(self, key: int) -> None:
         """Keep scene and display on a key."""
         session = self._session
-        scene, edits = session.scene, session.undoable
+        scene, edits = session.scene, session.history.undoable
         edited = scene != session.opened and bool(edits)
         title = f"{scene.title}: {edits[0]}" if edited else scene.title
         self._all[key] = Preset(title, scene, session.display)

@@ -33,17 +33,12 @@ class RecordMenu(QObject):
     def __init__(self, window: MainWindow, session: Session, inspection: Inspection) -> None:
         super().__init__(window)
         self._window, self._session, self._inspection = window, session, inspection
+        tip, program = "Copy the record with its rulers, at 300 dots per inch", self._copy_program
         self.copies = [
-            make_action(window, text, tip, key)
-            for text, tip, key in (
-                ("Copy picture of the record", "Copy the record with its rulers, at 300 dots per inch", "Ctrl+Shift+C"),
-                ("Copy scene as TOML", "Copy the scene as the text of its file", ""),
-                ("Copy scene as Python", "Copy a program that simulates this record", ""),
-            )
+            make_action(window, "Copy picture of the record", tip, "Ctrl+Shift+C", self._copy_picture),
+            make_action(window, "Copy scene as TOML", "Copy the scene as the text of its file", "", self._copy_scene),
+            make_action(window, "Copy scene as Python", "Copy a program that simulates this record", "", program),
         ]
-        copy = self._copy_picture, self._copy_scene, self._copy_program
-        for action, do in zip(self.copies, copy, strict=True):
-            action.triggered.connect(lambda _=False, do=do: do())
         window.menus.group("Edit", self.copies)
         for view in (window.waterfall, window.record_a):
             view.menu_wanted.connect(lambda mark, place, view=view: self.open(view, mark, place))

@@ -17,18 +17,16 @@ class SceneMenu(QToolButton):
 
     wanted = Signal(str)
 
-    def __init__(self, from_file: QAction, recording: QAction, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, from_file: QAction, recording: QAction) -> None:
+        shown, opens = Qt.ToolButtonStyle.ToolButtonTextBesideIcon, QToolButton.ToolButtonPopupMode.InstantPopup
+        super().__init__(toolButtonStyle=shown, popupMode=opens)
         self.setText("Scenes")
-        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.setToolTip("Open a scene")
-        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._files = (from_file, recording)
         self.pictures = QAction("Show pictures of all…", self)
         self.pictures.setToolTip("Pick a scene by its record")
         self.pictures.triggered.connect(self._show_pictures)
-        menu = QMenu(self)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self, toolTipsVisible=True)
         menu.aboutToShow.connect(self.fill)
         menu.triggered.connect(self._picked)
         self.setMenu(menu)
@@ -41,8 +39,7 @@ class SceneMenu(QToolButton):
         menu.addActions(self._files)
         menu.addAction(self.pictures)
         menu.addSeparator()
-        failures = QMenu("Where it breaks", menu)
-        failures.setToolTipsVisible(True)
+        failures = QMenu("Where it breaks", menu, toolTipsVisible=True)
         for name, path in bundled_scenes().items():
             scene = load_scene(path)
             action = QAction(f"{name}\t{scene.title}", menu)

@@ -1,6 +1,6 @@
 """Menu of the three-dimensional view under the right mouse button, and its commands in the menu bar."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from PySide6.QtCore import QObject, QPoint, Qt
@@ -31,16 +31,21 @@ class SeabedMenu(QObject):
         super().__init__(window)
         self._window, self._seabed, self._inspection, self._handles = window, seabed, inspection, handles
         self.cameras = [
-            self._action(camera, f"See the bed {camera[:1].lower()}{camera[1:]}", partial(seabed.look_from, camera))
-            for camera in CAMERAS
+            make_action(window, name, f"See the bed {name[:1].lower()}{name[1:]}", do=partial(seabed.look_from, name))
+            for name in CAMERAS
         ]
-        frame = self._action("Frame the target", "See the chosen target from near, and in the record", handles.frame)
-        self.follow = self._tick("Follow the towfish", "The camera moves with the towfish", self._let_follow)
-        depths = self._tick("Depth colours", "Colour the bed by its depth, not its materials", seabed.colour_by_depth)
+        tip = "See the chosen target from near, and in the record"
+        frame = make_action(window, "Frame the target", tip, do=handles.frame)
+        self.follow = make_action(window, "Follow the towfish", "The camera moves with the towfish")
+        depths = make_action(window, "Depth colours", "Colour the bed by its depth, not its materials")
         tip = "Show what targets hide from the sonar, ping by ping as it passes"
-        shadows = self._tick("Acoustic shadows", tip, seabed.show_shadows)
+        shadows = make_action(window, "Acoustic shadows", tip)
+        ticked = self._let_follow, seabed.colour_by_depth, seabed.show_shadows
+        for action, do in zip((self.follow, depths, shadows), ticked, strict=True):
+            action.setCheckable(True)
+            action.triggered.connect(do)
         tip = "Copy the 3-D view, at 300 dots per inch"
-        picture = self._action("Copy picture of the 3-D view", tip, self._copy_picture)
+        picture = make_action(window, "Copy picture of the 3-D view", tip, do=self._copy_picture)
         self._groups = [*self.cameras, frame], [self.follow, depths, shadows], [picture, *copies[1:]]
         camera = window.menus.view.addMenu("Camera")
         camera.setToolTipsVisible(True)
@@ -67,17 +72,6 @@ class SeabedMenu(QObject):
             menu.addActions(group)
         menu.popup(at)
         return menu
-
-    def _action(self, text: str, tip: str, do: Callable[[], object]) -> QAction:
-        action = make_action(self._window, text, tip)
-        action.triggered.connect(lambda: do())
-        return action
-
-    def _tick(self, text: str, tip: str, do: Callable[[bool], object]) -> QAction:
-        action = make_action(self._window, text, tip)
-        action.setCheckable(True)
-        action.triggered.connect(do)
-        return action
 
     def _show_follow(self) -> None:
         """Tick whether the camera follows: to frame a target ends it."""

@@ -11,8 +11,9 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QWidget
 from insonify.errors import plain_text
 from insonify_viewer.errors import Failure, describe_error, write_details
 from insonify_viewer.state.quantities import format_time_left
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make, push_button
 from insonify_viewer.widgets.later import Later
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.text import literal, one_line
 from insonify_viewer.work.jobs import BackgroundJob, State
 
@@ -26,22 +27,16 @@ class StatusLine(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.sentence = QLabel()
-        self.sentence.setTextFormat(Qt.TextFormat.PlainText)
-        self.sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
-        self.copy = push_button(
-            "Copy details", "Copy program versions, scene and error message, to send with a report", style="small"
-        )
-        self.copy.clicked.connect(self._copy)
+        # So narrow that a long sentence does not widen the window.
+        self.sentence = make(QLabel, textFormat=Qt.TextFormat.PlainText, minimumWidth=1)
+        tip = "Copy program versions, scene and error message, to send with a report"
+        self.copy = push_button("Copy details", tip, self._copy, style="small")
         self.copy.hide()
         self.describe_scene: Callable[[], str] = str
         self._failure = Failure("")
         self._said: deque[str] = deque(maxlen=KEPT)
         self._fading = Later(self, READING_TIME)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(self.sentence, 1)
-        row.addWidget(self.copy)
+        fill(QHBoxLayout(self), self.sentence, self.copy, growing=self.sentence, margins=(0, 0, 0, 0))
 
     def say(self, sentence: str, *, lasting: bool = False) -> None:
         """Show a sentence until the next one, and for some seconds unless it is to last."""
@@ -118,7 +113,6 @@ class JobBar(QProgressBar):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal a click."""
-        del event
         self.clicked.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -11,7 +11,8 @@ from shiboken6 import isValid
 
 from insonify.files import resources
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import push_button
+from insonify_viewer.widgets.buttons import make, push_button
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import ACCENT
 
 WIDTH, APART = 300, 12  # px: of the card, and its distance from the part and from the edge of the window
@@ -106,21 +107,12 @@ class TourCard(QFrame):
         self.setObjectName("tour")
         self.setFixedWidth(WIDTH)
         lay_over_native_views(self)
-        self.title, self.words = QLabel(), QLabel()
-        self.title.setObjectName("choice")
-        self.words.setWordWrap(True)
+        self.title, self.words = make(QLabel, objectName="choice"), QLabel(wordWrap=True)
         self.skip = push_button("Skip", "Leave the tour (Escape); Help, Tour shows it again")
         self.back = push_button("Back", "To the step before")
         self.next = push_button("Next", "To the next step")
-        row = QHBoxLayout()
-        row.addWidget(self.skip)
-        row.addStretch(1)
-        row.addWidget(self.back)
-        row.addWidget(self.next)
-        column = QVBoxLayout(self)
-        column.addWidget(self.title)
-        column.addWidget(self.words)
-        column.addLayout(row)
+        buttons = fill(QHBoxLayout(), self.skip, None, self.back, self.next)
+        fill(QVBoxLayout(self), self.title, self.words, buttons)
 
     def show_step(self, step: TourStep, number: int, count: int) -> None:
         """Show one of several steps."""

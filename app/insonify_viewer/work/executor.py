@@ -1,4 +1,4 @@
-"""Work beside the window: threads by key on which the newest work wins, and long tasks with progress."""
+"""Work beside the window: threads by key on which the newest work wins."""
 
 import math
 import threading
@@ -26,14 +26,14 @@ class Executor(QObject):
     """Runs work on threads of its own and passes the results to the main thread."""
 
     # Work has a key, and each key its thread, which begins with the first work: work replaces work of the same key
-    # that still waits. A task has a thread to itself.
+    # that still waits. Work that is started has a thread to itself.
 
     _posted = Signal(object, object)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._lanes: dict[str, Lane] = {}
-        self._tasks: list[Task] = []
+        self._started: list[threading.Thread] = []
         self._faults: dict[str, FaultReport] = {}
         self._closing = False
         self._posted.connect(self._call, Qt.ConnectionType.QueuedConnection)
@@ -47,10 +47,19 @@ class Executor(QObject):
         self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
 
     def start(self, name: str, work: Work, *, done: Receive, failed: Callable[[Failure], None]) -> None:
-        """Run work without progress on a thread of its own."""
-        task = Task(lambda _: work(), self.call_later, done=done, failed=failed, name=name)
-        self._tasks = [*(each for each in self._tasks if each.running), task]
-        task.start()
+        """Run work on a thread of its own, and pass its result or what went wrong to the main thread."""
+
+        def run() -> None:
+            lower_priority()
+            result, error = _outcome(work)
+            if error is None:
+                self.call_later(done, result)
+            else:
+                self.call_later(failed, describe_error(error, f"the {name}"))
+
+        thread = threading.Thread(target=run, name=f"insonify {name}", daemon=True)
+        self._started = [*(each for each in self._started if each.is_alive()), thread]
+        thread.start()
 
     def call_later(self, receive: Receive, result: Any) -> None:
         """Pass a result from any thread to the main thread; it is dropped once the window closes."""
@@ -63,8 +72,8 @@ class Executor(QObject):
         self._closing = True
         for lane in self._lanes.values():
             lane.close(patience)
-        for task in self._tasks:
-            task.close(patience)
+        for thread in self._started:
+            thread.join(patience)
 
     def _take(self, key: str, receive: Receive, result: Any, error: Exception | None) -> None:
         """Pass a result on, then report an error that is news for the key."""
@@ -159,66 +168,3 @@ class Lane:
                 begins = min((each.begins for each in self._waiting.values()), default=None)
                 self.changed.wait(None if begins is None else begins - now)
             return None
-
-
-class StoppedError(Exception):
-    """The task was stopped."""
-
-
-class Task:
-    """Long work on a thread of its own, with progress and a stop."""
-
-    def __init__(
-        self,
-        work: Callable[[Progress], Any],
-        call_later: CallLater,
-        *,
-        done: Receive,
-        failed: Callable[[Failure], None],
-        name: str,
-        progressed: Progress = lambda _: None,
-    ) -> None:
-        self._do, self._name = work, name
-        self._call_later, self._progressed, self._done, self._failed = call_later, progressed, done, failed
-        self._stopping = False
-        self._share: float | None = None  # reported and not passed on yet
-        self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
-
-    @property
-    def running(self) -> bool:
-        """Whether the thread still works."""
-        return self._thread.is_alive()
-
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Stop at the next report of progress."""
-        self._stopping = True
-
-    def close(self, patience: float | None = None) -> None:
-        """Stop, and wait for the thread, at most for a time in seconds."""
-        self.stop()
-        self._thread.join(patience)
-
-    def _work(self) -> None:
-        lower_priority()
-        try:
-            self._call_later(self._done, self._do(self._report))
-        except StoppedError:
-            self._call_later(self._failed, Failure(""))
-        except Exception as error:  # an exception that ends the thread would leave the window waiting
-            self._call_later(self._failed, describe_error(error, f"the {self._name}"))
-
-    def _report(self, share: float) -> None:
-        if self._stopping:
-            raise StoppedError
-        waits, self._share = self._share is not None, share
-        if not waits:  # otherwise the report that waits passes this share on: work may report faster than Qt delivers
-            self._call_later(self._pass_on, None)
-
-    def _pass_on(self, _: None) -> None:
-        share, self._share = self._share, None
-        if share is not None:
-            self._progressed(share)

@@ -11,7 +11,7 @@ import gc
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from insonify.array_cache import ARRAYS
 
@@ -21,6 +21,7 @@ SHARE = 0.005  # of the time that collections of the oldest generation may take
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # as in malloc.h of the GNU C library
 LARGE = 2**20  # bytes; larger arrays are returned to the system as soon as they are freed
 STORES = 4
+OF_ANOTHER = AttributeError, OSError, TypeError  # C library, which lacks the functions
 
 _left_out = threading.Event()  # libraries, since collection by hand began; to count frozen objects takes 0.3 s
 
@@ -54,21 +55,17 @@ def limit_free_memory() -> None:
     """Let the C library keep little of the memory that is freed."""
     # By default it keeps a store of freed memory for up to eight threads a core, and from the first large array that is
     # freed on it takes arrays of up to 32 MB from these stores, which break up: half a gigabyte after some minutes.
-    try:
+    with suppress(*OF_ANOTHER):
         adjust = ctypes.CDLL(None).mallopt
-    except (AttributeError, OSError, TypeError):  # another C library
-        return
-    adjust(M_MMAP_THRESHOLD, LARGE)
-    adjust(M_TRIM_THRESHOLD, LARGE)
-    adjust(M_ARENA_MAX, STORES)
+        adjust(M_MMAP_THRESHOLD, LARGE)
+        adjust(M_TRIM_THRESHOLD, LARGE)
+        adjust(M_ARENA_MAX, STORES)
 
 
 def return_free_memory() -> None:
     """Return freed memory to the system; the C library otherwise keeps hundreds of megabytes of it."""
-    try:
+    with suppress(*OF_ANOTHER):
         ctypes.CDLL(None).malloc_trim(0)
-    except (AttributeError, OSError, TypeError):  # another C library
-        return
 
 
 def forget_ground() -> None:

@@ -22,8 +22,9 @@ from insonify.display.display_options import display_settings
 from insonify.operating_system import apart, end_apart, lower_priority
 from insonify.progress import VARIABLE
 from insonify.scene import Scene, scene_to_toml
+from insonify_viewer.errors import Failure, describe_error
 from insonify_viewer.state.session import Session
-from insonify_viewer.work.executor import CallLater, Progress, Task
+from insonify_viewer.work.executor import CallLater, Progress
 
 FEW = 0.02  # share done from which the time left is estimated
 PREFIX = "insonify: "  # begins a sentence of the command on standard error
@@ -200,38 +201,62 @@ def _stage_of(line: str) -> Stage | None:
         return None
 
 
+class StoppedError(Exception):
+    """The job was stopped."""
+
+
 class ThreadJob(BackgroundJob):
-    """Work that results in an object for the window."""
+    """Work that results in an object for the window, on a thread of its own."""
 
     def __init__(self, title: str, work: Callable[[Progress], Any], call_later: CallLater) -> None:
         super().__init__(title, None, call_later)
         self.value: Any = None
-        self._task = Task(
-            work,
-            call_later,
-            progressed=lambda share: self._advance(Stage(WORKING, share, WHOLE)),
-            done=self._take,
-            failed=lambda failure: self._finish(State.FAILED, failure.sentence, failure.trace),
-            name=title,
-        )
+        self._do = work
+        self._share: float | None = None  # reported and not passed on yet
+        self._thread = threading.Thread(target=self._work, name=f"insonify {title}", daemon=True)
 
     def start(self) -> None:
         """Start the thread, which works from its first moment on."""
         self.stage = self.stage._replace(doing=WORKING, total=WHOLE)
-        self._task.start()
+        self._thread.start()
 
     def close(self, patience: float) -> None:
         """Stop at the next report of progress, and wait for the thread, at most for a time in seconds."""
-        self._task.close(patience)
+        self.stop()
+        self._thread.join(patience)
         if self.running:  # its end is not taken over any more
             self.state = State.STOPPED
 
     def _ask_to_end(self) -> None:
-        self._task.stop()
+        """Leave it to the next report of progress, which ends the work."""
+
+    def _work(self) -> None:
+        lower_priority()
+        try:
+            self._call_later(self._take, self._do(self._report))
+        except StoppedError:
+            self._call_later(self._fail, Failure(""))
+        except Exception as error:  # an exception that ends the thread would leave the window waiting
+            self._call_later(self._fail, describe_error(error, f"the {self.title}"))
+
+    def _report(self, share: float) -> None:
+        if self.state is State.STOPPING:
+            raise StoppedError
+        waits, self._share = self._share is not None, share
+        if not waits:  # otherwise the report that waits passes this share on: work may report faster than Qt delivers
+            self._call_later(self._pass_on, None)
+
+    def _pass_on(self, _: None) -> None:
+        share, self._share = self._share, None
+        if share is not None:
+            self._advance(Stage(WORKING, share, WHOLE))
 
     def _take(self, value: Any) -> None:
         self.value = value
         self._finish(State.DONE, f"{self.title} is finished")
+
+    def _fail(self, failure: Failure) -> None:
+        self._finish(State.FAILED, failure.sentence, failure.trace)
 
 
 class JobList:

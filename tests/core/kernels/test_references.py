@@ -54,6 +54,7 @@ def left(call: Callable[[], object]) -> int:
     return found
 
 
+@pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_is_left_of_a_record_its_labels_and_an_explanation(name: str) -> None:
     simulation, pings = prepare(edit(load_scene(name), SCENES[name])), np.arange(9)

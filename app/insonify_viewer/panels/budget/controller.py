@@ -44,7 +44,6 @@ class BudgetPanel(Panel):
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Solve the equation of another scene once its slider is released."""
-        del scene
         if settled:
             self._solve()
 

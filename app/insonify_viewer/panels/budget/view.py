@@ -5,17 +5,17 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
+from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QVBoxLayout, QWidget
 
-from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.budget.levels import Group, SolvedBudget, signed
 from insonify_viewer.widgets.arrow_keys import steps_of
-from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.buttons import make, make_label
+from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, make_polyline, round_steps
+from insonify_viewer.widgets.text import ThemedText
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED, TEXT, TRAIL, text_scale
-from insonify_viewer.widgets.themed_text import ThemedText
 
 HINT = "Move over the record, or over the curves, to see the terms at another range."
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 10.0, 22.0, 32.0  # px around the plot
@@ -34,17 +34,12 @@ class BudgetView(QWidget):
     targeted = Signal(float)  # target strength that the person set, dB re 1 m²
     ranged = Signal(float)  # slant range to which the person moved the cursor of the curves, m
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("panel")
         self.sentence, self.model = make_label("choice", HINT), make_label("name")
-        self._target = QDoubleSpinBox()
-        self._target.setRange(-STRONGEST, STRONGEST)
-        self._target.setDecimals(1)
-        self._target.setValue(-20.0)
-        self._target.setSuffix(" dB")
-        self._target.setKeyboardTracking(False)
-        self._target.setAccessibleName("Target strength")
+        decibels = {"minimum": -STRONGEST, "maximum": STRONGEST, "decimals": 1, "value": -20.0, "suffix": " dB"}
+        self._target = make(QDoubleSpinBox, **decibels, keyboardTracking=False, accessibleName="Target strength")
         self._target.setToolTip("Target strength of the target, re 1 m² (dB; −60 to 60 dB)")
         self._target.valueChanged.connect(self.targeted)
         self.terms, self.curves = TermList(), LevelCurves()
@@ -84,21 +79,9 @@ class BudgetView(QWidget):
     def _lay_out(self) -> None:
         label = make_label("name", "target")
         label.setWordWrap(False)
-        top = QHBoxLayout()
-        top.addWidget(self.sentence, 1)
-        top.addWidget(label)
-        top.addWidget(self._target)
-        splitter = QSplitter(Qt.Orientation.Horizontal)
-        splitter.addWidget(self.terms)
-        splitter.addWidget(self.curves)
-        splitter.setSizes([500, 500])
-        splitter.setChildrenCollapsible(False)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(6, 4, 6, 4)
-        column.setSpacing(3)
-        column.addLayout(top)
-        column.addWidget(self.model)
-        column.addWidget(splitter, 1)
+        top = fill(QHBoxLayout(), self.sentence, label, self._target, growing=self.sentence)
+        splitter = make_splitter(Qt.Orientation.Horizontal, self.terms, self.curves, sizes=(500, 500))
+        fill(QVBoxLayout(self), top, self.model, splitter, growing=splitter, margins=(6, 4, 6, 4), spacing=3)
 
 
 class TermList(ThemedText):
@@ -148,11 +131,8 @@ class LevelCurves(PaintedOnce):
 
     ranged = Signal(float)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumSize(240, 130)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumSize=QSize(240, 130), mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Levels over slant range")
         self.setToolTip(
             "Levels of bed, target and noise before the gain. Move the mouse or press ← → to choose a range"
@@ -177,17 +157,14 @@ class LevelCurves(PaintedOnce):
         self._range = slant_range
         self.update()
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the curves, which are painted once, and the cursor."""
-        del event
-        with QPainter(self) as painter:
-            self.draw_picture(painter)
-            if self._solved is not None:
-                area = self.area
-                x = area.left() + self._range / self._solved.scene.sonar.range * area.width()
-                painter.setPen(QPen(QColor(TEXT), 1.0, Qt.PenStyle.DotLine))
-                painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
+        super().paint(painter)
+        if self._solved is not None:
+            area = self.area
+            x = area.left() + self._range / self._solved.scene.sonar.range * area.width()
+            painter.setPen(QPen(QColor(TEXT), 1.0, Qt.PenStyle.DotLine))
+            painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Signal the range under the mouse."""

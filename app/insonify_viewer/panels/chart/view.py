@@ -2,17 +2,17 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPen
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QVBoxLayout, QWidget
 
 from insonify.display.display_options import PALETTES
 from insonify.display.picture import choose_contrast, colour_rows, load_palette
-from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
-from insonify_viewer.widgets.painting import colour_table, column_means, round_steps, two_sided_table
+from insonify_viewer.widgets.layouts import fill, make_splitter
+from insonify_viewer.widgets.painting import Painted, colour_table, column_means, image_of, round_steps, two_sided_table
 from insonify_viewer.widgets.text import window_title
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
@@ -48,9 +48,7 @@ class ChartWindow(QWidget):
         self.measure = push_button("Measure here", "Measure speed and error of every method on this scene")
         self.stop = push_button("Stop", "Stop the measurement")
         self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
-        self._progress = QProgressBar()
-        self._progress.setRange(0, 1000)
-        self._progress.setTextVisible(False)
+        self._progress = QProgressBar(maximum=1000, textVisible=False)
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
         self.picture, self._strips = _ChartPictureView(), StripsView()
         self._lay_out()
@@ -100,47 +98,33 @@ class ChartWindow(QWidget):
         return QFileDialog.getSaveFileName(self, "Save the chart", "chart.png", FORMATS)[0]
 
     def _lay_out(self) -> None:
-        top = QHBoxLayout()
-        for widget in (self.measure, self.stop, self.save, self._progress):
-            top.addWidget(widget)
-        top.addWidget(self._sentence, 1)
+        tools = self.measure, self.stop, self.save, self._progress
+        top = fill(QHBoxLayout(), *tools, self._sentence, growing=self._sentence)
         self._bottom = QWidget()
         below = QVBoxLayout(self._bottom)
-        below.setContentsMargins(0, 4, 0, 0)
-        below.addWidget(self._strips, 1)
-        below.addWidget(self._numbers)
+        fill(below, self._strips, self._numbers, growing=self._strips, margins=(0, 4, 0, 0))
         self._bottom.hide()
-        self._splitter = splitter = QSplitter(Qt.Orientation.Vertical)
-        splitter.addWidget(self.picture)
-        splitter.addWidget(self._bottom)
-        splitter.setStretchFactor(0, 1)
-        splitter.setChildrenCollapsible(False)
-        column = QVBoxLayout(self)
-        column.addLayout(top)
-        column.addWidget(splitter, 1)
+        self._splitter = make_splitter(Qt.Orientation.Vertical, self.picture, self._bottom)
+        self._splitter.setStretchFactor(0, 1)
+        fill(QVBoxLayout(self), top, self._splitter, growing=self._splitter)
 
 
-class _ChartPictureView(QWidget):
+class _ChartPictureView(Painted):
     """The picture of the chart, as large as fits."""
 
     picked = Signal(object)
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumSize(320, 180)
+        reached = Qt.FocusPolicy.TabFocus
+        super().__init__(minimumSize=QSize(320, 180), mouseTracking=True, focusPolicy=reached, accessibleName="Chart")
         self._chart_picture: ChartPicture | None = None
         self._image = QImage()
         self._chosen: object = None
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.setAccessibleName("Chart")
         self.setToolTip("Click a point, or step through the points with ← →, to see its record")
 
     def show_chart(self, chart_picture: ChartPicture) -> None:
-        height, width = chart_picture.pixels.shape[:2]
         self._chart_picture, self._chosen = chart_picture, None
-        # The image shares the memory of the array, which lives as long as the chart is shown.
-        self._image = QImage(chart_picture.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+        self._image = image_of(chart_picture.pixels)
         self.update()
 
     def show_chosen(self, row: object) -> None:
@@ -154,21 +138,18 @@ class _ChartPictureView(QWidget):
         point = next(point for point in self._chart_picture.points if point.row is row)
         return QPointF(frame.left() + point.x * frame.width(), frame.top() + point.y * frame.height())
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the chart, and a ring around the picked point."""
-        del event
-        with QPainter(self) as painter:
-            painter.fillRect(self.rect(), QColor(GROUND))
-            painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
-            if self._chart_picture is None:
-                painter.setPen(QColor(QUIET))
-                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
-            else:
-                painter.drawImage(self._frame(), self._image)
-                if self._chosen is not None:
-                    painter.setPen(QPen(QColor(ACCENT), 3))
-                    painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
+        if self._chart_picture is None:
+            painter.setPen(QColor(QUIET))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
+        else:
+            painter.drawImage(self._frame(), self._image)
+            if self._chosen is not None:
+                painter.setPen(QPen(QColor(ACCENT), 3))
+                painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal the point under the mouse."""
@@ -204,12 +185,11 @@ class _ChartPictureView(QWidget):
         return QRectF((self.width() - width) / 2.0, (self.height() - height) / 2.0, width, height)
 
 
-class StripsView(QWidget):
+class StripsView(Painted):
     """Shows the record behind a point of a chart."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumHeight(3 * (TITLE + 16) + RULER)
+        super().__init__(minimumHeight=3 * (TITLE + 16) + RULER)
         self._details: RowDetails | None = None
 
     def show_details(self, details: RowDetails) -> None:
@@ -217,23 +197,20 @@ class StripsView(QWidget):
         self._details = details
         self.update()
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw the strips with their titles, and the ruler."""
-        del event
-        with QPainter(self) as painter:
-            painter.fillRect(self.rect(), QColor(GROUND))
-            if (details := self._details) is not None:
-                low, high = choose_contrast(details.reference)
-                shades = colour_table(load_palette(PALETTES[0]))
-                largest = LARGE * (high - low)
-                record = ((f"record: {details.row.method}, {details.row.setting}", TEXT),)
-                exact = ((f"exact: {details.rays:,} rays a side", TEXT),)
-                self._draw(painter, 0, record, details.record, (low, high), shades)
-                self._draw(painter, 1, exact, details.reference, (low, high), shades)
-                moved = details.record - details.reference
-                self._draw(painter, 2, DIFFERENCE, moved, (-largest, largest), two_sided_table())
-                self._draw_ruler(painter, details.reach)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        if (details := self._details) is not None:
+            low, high = choose_contrast(details.reference)
+            shades = colour_table(load_palette(PALETTES[0]))
+            largest = LARGE * (high - low)
+            record = ((f"record: {details.row.method}, {details.row.setting}", TEXT),)
+            exact = ((f"exact: {details.rays:,} rays a side", TEXT),)
+            self._draw(painter, 0, record, details.record, (low, high), shades)
+            self._draw(painter, 1, exact, details.reference, (low, high), shades)
+            moved = details.record - details.reference
+            self._draw(painter, 2, DIFFERENCE, moved, (-largest, largest), two_sided_table())
+            self._draw_ruler(painter, details.reach)
 
     def _draw(
         self,

@@ -14,6 +14,7 @@ from insonify_viewer.record.comparison.kept_record import Change
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 
@@ -46,10 +47,8 @@ class ComparisonView(SidePanel):
         self._pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
         self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
         self.pairs.setMenu(self._pairs_menu)
-        self.learn = push_button(
-            "Make a scene like this…", "Fit a scene whose record resembles this recording, and open it"
-        )
-        self.learn.clicked.connect(self._ask_for_scene)
+        tip = "Fit a scene whose record resembles this recording, and open it"
+        self.learn = push_button("Make a scene like this…", tip, self._ask_for_scene)
         self.arrangement, self.frequency = Combo("Arrangement of the two records"), Combo("Frequency of the sonar")
         for arrangement in Arrangement:
             self.arrangement.addItem(arrangement.value)
@@ -139,26 +138,17 @@ class ComparisonView(SidePanel):
             (self.arrangement, self.frequency),
             (self.learn,),
         )
-        for row in rows:
-            line = QHBoxLayout()
-            for part in row:
-                line.addWidget(part)
-            self.column.addLayout(line)
-        for box in (self.title, self.changes, self._point_box, self._statistics_box):
-            self.column.addWidget(box)
-        self.column.addStretch(1)
+        lines = (fill(QHBoxLayout(), *row) for row in rows)
+        fill(self.column, *lines, self.title, self.changes, self._point_box, self._statistics_box, None)
 
 
 class _Table(QLabel):
     """Rows of a name and its values, with a sentence below."""
 
     def __init__(self) -> None:
-        super().__init__()
+        copied = Qt.TextInteractionFlag.TextSelectableByMouse
+        super().__init__(wordWrap=True, margin=6, textFormat=Qt.TextFormat.RichText, textInteractionFlags=copied)
         self.setObjectName("numbers")
-        self.setWordWrap(True)
-        self.setMargin(6)
-        self.setTextFormat(Qt.TextFormat.RichText)
-        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.rows: dict[str, tuple[str, ...]] = {}
         self.said = ""
 

@@ -72,7 +72,8 @@ class ParametersPanel(Panel):
             self._meter.stop()
         if settled:
             self._follow_history(scene)
-            self.view.show_at_once(self._show)
+            self.view.soon.stop()
+            self._show()
         else:
             self.view.soon.call(self._show_moving)
 
@@ -118,7 +119,7 @@ class ParametersPanel(Panel):
 
     def _show(self) -> None:
         scene = self._session.scene
-        self.view.show_about(split_description(scene.description), self._trials.tried(scene))
+        self.view.about.say(split_description(scene.description), self._trials.tried(scene))
         self._shown = sections = self._sections()
         self.view.show_sections(sections)
         words = self.view.search.text().strip()

@@ -15,6 +15,7 @@ from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.edit import part_at
 from insonify.scene.water import WaterKind
+from insonify_viewer.panels.parameters.values import value_at
 from insonify_viewer.record.comparison.record_difference import (
     NOTHING_SEEN,
     VISIBLE,
@@ -56,19 +57,14 @@ class Effect:
 
     def settings(self, scene: Scene) -> Changes:
         """Plain values of the part."""
-        values: Any = plain(scene)
-        for step in self.path.split("."):
-            values = values[step]
-        return dict(values)
+        return dict(value_at(plain(scene), self.path))
 
     def take_out(self, scene: Scene) -> Changes:
         """Edit that takes the effect out of a scene."""
-        del scene
         return {self.path: self.off}
 
     def bring_back(self, scene: Scene, settings: Changes | None) -> Changes:
         """Edit that brings the effect back into a scene, with earlier settings if there are any."""
-        del scene
         return {self.path: settings or self.on}
 
 

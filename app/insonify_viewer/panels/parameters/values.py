@@ -38,7 +38,7 @@ class Trials:
         if number in self._before and _holds(scene, link):
             return link, self._before[number]
         part = link.path.removesuffix(".kind")
-        self._before[number] = {part: _value_at(plain(scene), part)}
+        self._before[number] = {part: value_at(plain(scene), part)}
         return link, {link.path: link.value}
 
 
@@ -89,14 +89,14 @@ class Resets:
             for row in parameters
             if row.path in self._first
             and type(row) is type(self._first[row.path])
-            and _value_at(now, row.path) != _value_at(self._values, row.path)
+            and value_at(now, row.path) != value_at(self._values, row.path)
             and self._is_same_part(scene, row.path)
         }
 
     def edit(self, paths: Iterable[str]) -> dict[str, Any]:
         """Edit that resets fields; a kind returns with all that belongs to it."""
         owners = sorted({path.removesuffix(".kind") for path in paths}, key=len)
-        return {owner: _value_at(self._values, owner) for owner in owners}
+        return {owner: value_at(self._values, owner) for owner in owners}
 
     def _is_same_part(self, scene: Scene, path: str) -> bool:
         """Whether a path leads into the same kind of target or volume: others may have been removed before it."""
@@ -112,7 +112,7 @@ def _text(parameter: Parameter) -> str:
     return str(parameter.value).replace("_", " ")
 
 
-def _value_at(values: Any, path: str) -> Any:
+def value_at(values: Any, path: str) -> Any:
     """Plain value at a dotted path; None where it is left open."""
     for step in path.split("."):
         if values is None:

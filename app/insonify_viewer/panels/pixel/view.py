@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
-from PySide6.QtWidgets import QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify.io.contacts import SIDES
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
+from insonify_viewer.widgets.text import ThemedText
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
@@ -27,7 +29,6 @@ from insonify_viewer.widgets.theme import (
     TEXT,
     text_scale,
 )
-from insonify_viewer.widgets.themed_text import ThemedText
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
@@ -57,22 +58,14 @@ Group = tuple[Row, list[Row]]  # a heading and its rows
 class PixelView(QWidget):
     """Shows the explanation of a pixel."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("panel")
         self.sentence, self.summary = make_label("choice", HINT), make_label("name")
         self.budget, self.section = BudgetList(), SectionView()
-        splitter = QSplitter(Qt.Orientation.Horizontal)
-        splitter.addWidget(self.budget)
-        splitter.addWidget(self.section)
-        splitter.setSizes([430, 570])
-        splitter.setChildrenCollapsible(False)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 4, 6, 4)
-        layout.setSpacing(3)
-        layout.addWidget(self.sentence)
-        layout.addWidget(self.summary)
-        layout.addWidget(splitter, 1)
+        splitter = make_splitter(Qt.Orientation.Horizontal, self.budget, self.section, sizes=(430, 570))
+        parts = self.sentence, self.summary, splitter
+        fill(QVBoxLayout(self), *parts, growing=splitter, margins=(6, 4, 6, 4), spacing=3)
 
     def show_nothing(self) -> None:
         """Show that no pixel is pinned."""
@@ -136,10 +129,8 @@ class SectionScales:
 class SectionView(PaintedOnce):
     """Paints a cross-section with the rays of a pixel."""
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumSize(100, 110)
-        self.setAccessibleName("Cross-section of the beam")
+    def __init__(self) -> None:
+        super().__init__(minimumSize=QSize(100, 110), accessibleName="Cross-section of the beam")
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
@@ -265,13 +256,13 @@ class BudgetList(ThemedText):
     """Lists the budget of a pixel with bars: terms in decibels, and shares of what returns and hides its sound."""
 
     def __init__(self) -> None:
-        self._groups: list[Group] = []
+        self.groups: list[Group] = []
         self._notes: tuple[str, ...] = ()
         super().__init__("Budget of the pixel", "Terms in decibels that add up to the level of the pixel", NARROW)
 
     def show_explanation(self, explanation: PixelExplanation | None) -> None:
         """List the budget of a pixel; None clears it."""
-        self._groups, self._notes = [], ()
+        self.groups, self._notes = [], ()
         if explanation is not None:
             terms = [(term.name, _level(term.decibels), term.detail, term.decibels) for term in explanation.terms]
             whole = ("pixel", _level(explanation.level), "the sum of" if terms else "", 0.0)
@@ -280,18 +271,14 @@ class BudgetList(ThemedText):
                 (("returned by", "", "", 0.0), _contributions(explanation)),
                 (("hidden by", "", "", 0.0), _obstructions(explanation)),
             )
-            self._groups = [(head, rows) for head, rows in groups if rows or head[1]]
+            self.groups = [(head, rows) for head, rows in groups if rows or head[1]]
             self._notes = explanation.approximations
         self.write()
-
-    def rows(self) -> list[tuple[str, str, str]]:
-        """Name, level and detail of all rows, each group before its own."""
-        return [row[:3] for head, rows in self._groups for row in (head, *rows)]
 
     def text(self) -> str:
         """HTML of the groups and notes."""
         lines = []
-        for head, rows in self._groups:
+        for head, rows in self.groups:
             lines.append(_line(head, "", ACCENT))
             most = max((abs(row[3]) for row in rows if math.isfinite(row[3])), default=0.0)
             lines += [_line(row, _bar(row[3], most), TEXT) for row in rows]

@@ -16,6 +16,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
@@ -43,22 +44,13 @@ class PlanView(SidePanel):
         self._tolerance.place(tolerance, 0)
         self.column.addLayout(tolerance)
         self._totals, self._change = make_label("about"), make_label("change")
-        self.automatic = push_button(
-            "Back to automatic", "Let the program choose everything again", style="file", wide=True
-        )
-        self.chart = push_button(
-            "Chart…", "Measure speed and error of every method on this scene", style="file", wide=True
-        )
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.automatic)
-        buttons.addWidget(self.chart)
-        self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
-        self.column.addWidget(self._totals)
-        self.column.addWidget(self._change)
-        self.column.addLayout(buttons)
-        for group in self._groups.values():
-            self.column.addWidget(group)
-        self.column.addStretch(1)
+        tip = "Let the program choose everything again"
+        self.automatic = push_button("Back to automatic", tip, style="file", wide=True)
+        tip = "Measure speed and error of every method on this scene"
+        self.chart = push_button("Chart…", tip, style="file", wide=True)
+        buttons = fill(QHBoxLayout(), self.automatic, self.chart)
+        self.groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
+        fill(self.column, self._totals, self._change, buttons, *self.groups.values(), None)
         self._predicted = ""
         self._lit: set[str] = set()
         self.show_change("", "")
@@ -70,7 +62,7 @@ class PlanView(SidePanel):
         self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
-        for modelled, group in self._groups.items():
+        for modelled, group in self.groups.items():
             group.show_entries(
                 [entry for entry in plan.entries if entry.modelled is modelled], forced, self.forced.emit
             )
@@ -84,7 +76,7 @@ class PlanView(SidePanel):
 
     def _light_lines(self) -> None:
         light(self._tolerance.label, "tolerance" in self._lit)
-        for group in self._groups.values():
+        for group in self.groups.values():
             for name, line in group.lines.items():
                 line.light(name in self._lit)
 
@@ -107,20 +99,11 @@ class PlanView(SidePanel):
 
     def show_change(self, subject: str, words: str) -> None:
         """Show the effect of the last change; beside its line if one subject changed."""
-        for group in self._groups.values():
-            for name, line in group.lines.items():
-                line.say(words if name == subject else "")
-        beside_none = subject not in {name for group in self._groups.values() for name in group.lines}
+        lines = {name: line for group in self.groups.values() for name, line in group.lines.items()}
+        for name, line in lines.items():
+            line.say(words if name == subject else "")
         self._change.setText(words)
-        self._change.setVisible(bool(words) and beside_none)
-
-    def line(self, subject: str) -> PlanLine:
-        """Find the line of a subject."""
-        return next(group.lines[subject] for group in self._groups.values() if subject in group.lines)
-
-    def subjects(self, *, modelled: bool) -> list[str]:
-        """List the subjects of one group as they are shown."""
-        return list(self._groups[modelled].lines)
+        self._change.setVisible(bool(words) and subject not in lines)
 
 
 class PlanGroup(FoldingBox):
@@ -129,9 +112,7 @@ class PlanGroup(FoldingBox):
     def __init__(self, title: str) -> None:
         self.lines: dict[str, PlanLine] = {}
         self._rows = QWidget()
-        self._column = QVBoxLayout(self._rows)
-        self._column.setContentsMargins(6, 4, 2, 4)
-        self._column.setSpacing(8)
+        self._column = fill(QVBoxLayout(self._rows), margins=(6, 4, 2, 4), spacing=8)
         super().__init__(title, self._rows, unfolded=True)
         self.hide()
 

@@ -14,7 +14,6 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QPen,
     QPixmap,
     QPolygonF,
@@ -35,8 +34,10 @@ from insonify.io.contacts import CONFIDENCES, Contact
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
-from insonify_viewer.widgets.buttons import make_action, make_label, push_button
+from insonify_viewer.widgets.buttons import make, make_action, make_label, push_button, tick_box
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
+from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
@@ -103,10 +104,11 @@ class RecordView(SidePanel):
         self.ticks: dict[str, QCheckBox] = {}
         self.choices = {name: ChoiceRow(_choice(name, self._look), self._settle) for name, *_ in CHOICES}
         self.gains = [NumberRow(_gain(row, self._look), self._settle, self._settle) for row in range(len(GAINS))]
-        self.usual = push_button("Usual display", "Reset all display options, gains and contrast too", wide=True)
-        self.usual.clicked.connect(self._show_usual)
+        tip = "Reset all display options, gains and contrast too"
+        self.usual = push_button("Usual display", tip, self._show_usual, wide=True)
         self.histogram = HistogramView()
-        self.measure = _tick("Measure a line", "M", MEASURE, self.measuring)
+        self.measure = tick_box("Measure a line", f"{MEASURE} (M)")
+        self.measure.toggled.connect(self.measuring)
         self._key("Measure a line", "M", self.measure.toggle)
         self.measured = make_label("about")
         self.measured.setMinimumHeight(5 * self.fontMetrics().lineSpacing())  # of the longest words, wrapped
@@ -121,9 +123,8 @@ class RecordView(SidePanel):
         """Show display options; those without effect are disabled."""
         self._look = look
         for name, tick in self.ticks.items():
-            tick.blockSignals(True)
-            tick.setChecked(bool(getattr(look, name)))
-            tick.blockSignals(False)
+            with QSignalBlocker(tick):
+                tick.setChecked(bool(getattr(look, name)))
         self.ticks["water_column"].setEnabled(not look.ground_range)
         for name, row in self.choices.items():
             row.show_value(_choice(name, look))
@@ -158,25 +159,17 @@ class RecordView(SidePanel):
     def _lay_out(self) -> None:
         shown, measuring = QWidget(), QWidget()
         self._lay_shown(QGridLayout(shown))
-        lines = QVBoxLayout(measuring)
-        lines.setContentsMargins(6, 6, 2, 6)
-        lines.addWidget(self.measure)
-        lines.addWidget(self.measured)
-        for title, part in (
-            ("Shown", shown),
-            ("Contrast", self.histogram),
-            ("Gain", self._gain_rows()),
-            ("Measure", measuring),
-            ("Contacts", self.contacts),
-        ):
-            self.column.addWidget(FoldingBox(title, part, unfolded=True))
-        self.column.addStretch(1)
+        fill(QVBoxLayout(measuring), self.measure, self.measured, margins=(6, 6, 2, 6))
+        parts = {"Shown": shown, "Contrast": self.histogram, "Gain": self._gain_rows(), "Measure": measuring}
+        parts["Contacts"] = self.contacts
+        fill(self.column, *(FoldingBox(title, part, unfolded=True) for title, part in parts.items()), None)
 
     def _lay_shown(self, grid: QGridLayout) -> None:
         grid.setContentsMargins(6, 6, 2, 6)
         grid.setHorizontalSpacing(10)
         for number, (name, label, key, about) in enumerate(TICKS):
-            self.ticks[name] = _tick(label, key, about, lambda on, name=name: self.changed.emit({name: on}))
+            self.ticks[name] = tick_box(label, f"{about} ({key})")
+            self.ticks[name].toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         inner = QGridLayout(rows)
@@ -209,17 +202,7 @@ class RecordView(SidePanel):
         self._key("Usual display", "", self._show_usual)
 
     def _key(self, text: str, key: str, act: Any) -> None:
-        action = make_action(self, text, text, key)
-        action.triggered.connect(lambda: act())
-        self.keys.append(action)
-
-
-def _tick(text: str, key: str, about: str, toggled: Any) -> QCheckBox:
-    tick = QCheckBox(text)
-    tick.setToolTip(f"{about} ({key})")
-    tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-    tick.toggled.connect(toggled)
-    return tick
+        self.keys.append(make_action(self, text, text, key, act))
 
 
 def _choice(name: str, look: DisplayOptions) -> ChoiceField:
@@ -266,14 +249,13 @@ class ContactListView(QWidget):
             self.takes[field].clicked.connect(lambda _=False, field=field: self.size_wanted.emit(self.row, field))
             self.takes[field].setAccessibleName(SIZES[field])
         self.mark = push_button("Mark", "Mark a contact at the clicked pixel; C marks one under the mouse")
-        self.jump = push_button("Show", "Show the contact in its record")
-        self.remove = push_button("Remove", "Remove the contact from the list")
+        self.jump = push_button("Show", "Show the contact in its record", lambda: self.jump_wanted.emit(self.row))
+        tip = "Remove the contact from the list"
+        self.remove = push_button("Remove", tip, lambda: self.remove_wanted.emit(self.row))
         self.open = push_button("Open…", "Open a file of contacts, which replaces this list")
         self.save = push_button("Save…", "Save the contacts as GeoJSON with their pictures, or as a CSV table")
         self.report = push_button("Report…", "Write a report with pictures as PDF or HTML, or placemarks as KML")
         self.hint = make_label("about", HINT)
-        self.jump.clicked.connect(lambda: self.jump_wanted.emit(self.row))
-        self.remove.clicked.connect(lambda: self.remove_wanted.emit(self.row))
         self._contacts: Sequence[Contact] = ()
         self._lay()
         self.show_contacts(())
@@ -339,10 +321,9 @@ class ContactListView(QWidget):
 
     def _lay(self) -> None:
         self.form = QWidget()
-        form, column, tools = QGridLayout(self.form), QVBoxLayout(self), QGridLayout()
+        form, tools = QGridLayout(self.form), QGridLayout()
         form.setContentsMargins(0, 0, 0, 0)
-        column.setContentsMargins(6, 6, 2, 6)
-        for layout in (form, column, tools):
+        for layout in (form, tools):
             layout.setSpacing(5)
         rows: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
         for row, (text, field) in enumerate((rows | self.sizes | {"remark": self.note}).items()):
@@ -355,24 +336,19 @@ class ContactListView(QWidget):
         buttons = self.mark, self.jump, self.remove, self.open, self.save, self.report
         for place, button in enumerate(buttons):
             tools.addWidget(button, place // 3, place % 3)
-        for widget in (self.hint, self.list, self.form):
-            column.addWidget(widget)
-        column.addLayout(tools)
+        fill(QVBoxLayout(self), self.hint, self.list, self.form, tools, margins=(6, 6, 2, 6), spacing=5)
 
 
 def _make_table() -> QTableWidget:
-    table = QTableWidget(0, len(COLUMNS))
-    table.setObjectName("contacts")
-    table.setAccessibleName("Contacts")
-    table.setHorizontalHeaderLabels([title for title, _ in COLUMNS])
-    table.setIconSize(QSize(ICON, ICON))
-    table.setMinimumHeight(4 * ICON)
-    table.setToolTip("A double click, or Enter, shows the contact in its record; a click on a heading sorts")
+    table = make(QTableWidget, 0, len(COLUMNS), objectName="contacts", accessibleName="Contacts", showGrid=False)
     table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
     table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
     table.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
     table.setTabKeyNavigation(False)
-    table.setShowGrid(False)
+    table.setHorizontalHeaderLabels([title for title, _ in COLUMNS])
+    table.setIconSize(QSize(ICON, ICON))
+    table.setMinimumHeight(4 * ICON)
+    table.setToolTip("A double click, or Enter, shows the contact in its record; a click on a heading sorts")
     table.verticalHeader().hide()
     table.verticalHeader().setDefaultSectionSize(ICON)
     table.sortItems(0)
@@ -396,35 +372,25 @@ def _items(number: int, contact: Contact) -> list[QTableWidgetItem]:
 
 
 def _size(field: str) -> QDoubleSpinBox:
-    size = QDoubleSpinBox()
-    size.setRange(0.0, LARGEST)
-    size.setSuffix(" m")
-    size.setSpecialValueText("–")
-    size.setKeyboardTracking(False)
+    size = make(QDoubleSpinBox, maximum=LARGEST, suffix=" m", specialValueText="–", keyboardTracking=False)
     size.setToolTip(f"{field.capitalize()} in metres; – where it was not measured")
     size.setAccessibleName(f"{field} of the contact")
     return size
 
 
 def _line(name: str) -> QLineEdit:
-    line = QLineEdit()
-    line.setObjectName("line")
-    line.setAccessibleName(name)
-    line.setToolTip(name)
+    line = make(QLineEdit, objectName="line", accessibleName=name, toolTip=name)
     line.returnPressed.connect(line.clearFocus)
     return line
 
 
-class HistogramView(QWidget):
+class HistogramView(Painted):
     """Shows how often each level occurs, and the colours of the levels."""
 
     dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumHeight(104)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumHeight=104, mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
         self.setAccessibleName("Contrast: levels of the record over the colour bar")
         self.setToolTip(
             "How often each level occurs in the record. Drag the ends of the colour bar to set the contrast. Keys: "
@@ -474,26 +440,22 @@ class HistogramView(QWidget):
         share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1)
         return -np.inf if share <= 0.0 else LOWEST + min(share, 1.0) * (HIGHEST - LOWEST)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw histogram, colour bar, its ends and a scale."""
         self._count()
-        with QPainter(self) as painter:
-            base = self.height() - BAR - SCALE
-            area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
-            painter.fillRect(area, QColor(RAISED))
-            self._draw_counts(painter, area)
-            painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
-            for level in np.arange(LOWEST, HIGHEST + 1.0, STEP):
-                place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
-                painter.setPen(QColor(QUIET))
-                text = (
-                    "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
-                )
-                align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
-                inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(float(level), 0.0), 0.0)
-                painter.drawText(inside, align.get(float(level), Qt.AlignmentFlag.AlignHCenter), text)
-            self._draw_ends(painter, base)
+        base = self.height() - BAR - SCALE
+        area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
+        painter.fillRect(area, QColor(RAISED))
+        self._draw_counts(painter, area)
+        painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
+        align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
+        for level in np.arange(LOWEST, HIGHEST + 1.0, STEP).tolist():
+            place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
+            painter.setPen(QColor(QUIET))
+            text = "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
+            inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(level, 0.0), 0.0)
+            painter.drawText(inside, align.get(level, Qt.AlignmentFlag.AlignHCenter), text)
+        self._draw_ends(painter, base)
 
     def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
         painter.setPen(Qt.PenStyle.NoPen)

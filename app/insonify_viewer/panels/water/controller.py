@@ -55,7 +55,6 @@ class WaterPanel(Panel):
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Start tracing after the first pings of the record, which the rays must not delay."""
-        del growth
         if not self._ready:
             self._ready = True
             self._trace()

@@ -14,19 +14,17 @@ from PySide6.QtGui import (
     QKeyEvent,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QPen,
     QPolygonF,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits, describe_eigenray, place_along_axis
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_overlays import draw_cross
 from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
-from insonify_viewer.widgets.painting import PaintedOnce, round_steps, rounded_pen
+from insonify_viewer.widgets.painting import PaintedOnce, image_of, round_steps, rounded_pen
 from insonify_viewer.widgets.theme import (
     ACCENT,
     ACCENT_IN_WATER,
@@ -70,15 +68,11 @@ class WaterView(PaintedOnce):
     point_settled = Signal()
     targeted = Signal(float, float)
 
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setMinimumHeight(150)
-        self.setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    def __init__(self) -> None:
+        super().__init__(minimumHeight=150, mouseTracking=True, focusPolicy=Qt.FocusPolicy.StrongFocus, toolTip=HINT)
         self.setAccessibleName("Sound speed over depth, beside the rays")
-        self.setToolTip(HINT)
         self._diagram: RayDiagram | None = None
-        self._points: tuple[tuple[float, float], ...] = ()
+        self.points: tuple[tuple[float, float], ...] = ()
         self.newest: tuple[tuple[float, float], ...] = ()  # of the present profile, whose rays may still be traced
         self._pictures: tuple[QImage, QImage] | None = None
         self._held: int | None = None
@@ -93,34 +87,22 @@ class WaterView(PaintedOnce):
         self._pictures = None
         if self._held is None and not self._moved:
             self._scale = None
-        self._points = points
+        self.points = points
         self.paint_anew()
 
-    def place_of(self, distance: float, depth: float) -> QPointF:
-        """Pixel of a range and a depth in metres."""
-        return self._frame().at(distance, depth)
-
-    def handle(self, number: int) -> QPointF:
-        """Pixel of a point of the profile that can be dragged."""
-        depth, speed = self._points[number]
-        return self._frame().of_speed(speed, depth)
-
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Paint the rays once, and the profile every time."""
-        del event
-        with QPainter(self) as painter:
-            if self._diagram is None:
-                painter.setPen(QUIET)
-                painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
-                return
-            frame = self._frame()
-            self.draw_picture(painter)
-            points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
-            chosen = min(self._chosen, len(points)) if self.hasFocus() else None
-            paint_profile(painter, self._diagram, frame, points, chosen if self._held is None else self._held)
-            if chosen == len(points):
-                draw_cross(painter, self._frame().at(*self._aim()).toPoint())
+        if self._diagram is None:
+            painter.setPen(QUIET)
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
+            return
+        frame = self.scales()
+        super().paint(painter)
+        points = [frame.of_speed(speed, depth) for depth, speed in self.points if depth <= frame.bottom]
+        chosen = min(self._chosen, len(points)) if self.hasFocus() else None
+        paint_profile(painter, self._diagram, frame, points, chosen if self._held is None else self._held)
+        if chosen == len(points):
+            draw_cross(painter, self.scales().at(*self._aim()).toPoint())
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -132,7 +114,7 @@ class WaterView(PaintedOnce):
         """Grasp a point of the profile, or signal a point of the water."""
         if self._diagram is None or event.button() != Qt.MouseButton.LeftButton:
             return
-        place, frame = event.position(), self._frame()
+        place, frame = event.position(), self.scales()
         self._held = self._point_under(place)
         if self._held is not None:
             self._scale, self._chosen = frame, self._held
@@ -145,7 +127,7 @@ class WaterView(PaintedOnce):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag the grasped point; change the cursor over others."""
         if self._held is not None:
-            frame = self._frame()
+            frame = self.scales()
             self.point_dragged.emit(self._held, frame.depth_at(event.position()), frame.speed_at(event.position()))
         elif self._diagram is not None:
             over = self._point_under(event.position()) is not None
@@ -153,7 +135,6 @@ class WaterView(PaintedOnce):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Release the grasped point."""
-        del event
         if self._held is not None:
             self._held = self._scale = None
             self.point_settled.emit()
@@ -202,11 +183,11 @@ class WaterView(PaintedOnce):
     def _in_water(self) -> int:
         """Number of points in sight, which stands for the cross in the water."""
         bottom = 0.0 if self._diagram is None else self._diagram.bottom
-        return sum(depth <= bottom for depth, _ in self._points)
+        return sum(depth <= bottom for depth, _ in self.points)
 
     def _aim(self) -> tuple[float, float]:
         """Range and depth of the cross in the water, in metres."""
-        frame = self._frame()
+        frame = self.scales()
         return self._cross[0] * frame.reach, self._cross[1] * frame.bottom
 
     def _choose(self, chosen: int) -> None:
@@ -221,7 +202,7 @@ class WaterView(PaintedOnce):
             self._cross = min(max(distance, KEY_STEP), 1.0), min(max(depth, 0.0), 1.0)
             self.update()
         elif self._chosen < len(self.newest):
-            frame, (depth, speed) = self._frame(), self.newest[self._chosen]
+            frame, (depth, speed) = self.scales(), self.newest[self._chosen]
             self._scale, self._moved = frame, True
             depth = min(max(depth + DEPTH * down, 0.0), frame.bottom)
             self.point_dragged.emit(self._chosen, depth, speed + SPEED * across)
@@ -234,21 +215,22 @@ class WaterView(PaintedOnce):
 
     def _point_under(self, place: QPointF) -> int | None:
         """Nearest point of the profile within grasp."""
-        frame = self._frame()
+        frame = self.scales()
         distances = [
             (place - frame.of_speed(speed, depth)).manhattanLength() if depth <= frame.bottom else float("inf")
-            for depth, speed in self._points
+            for depth, speed in self.points
         ]
         return nearest_within(distances, GRASP)
 
-    def _frame(self) -> PlotScales:
+    def scales(self) -> PlotScales:
+        """Scales of the plots, which stay while a point is moved."""
         assert self._diagram is not None
         return self._scale or PlotScales.of(self._diagram, self.width(), self.height())
 
     def paint_picture(self, painter: QPainter) -> None:
         """Paint the rays."""
         assert self._diagram is not None
-        frame = self._frame()
+        frame = self.scales()
         if self._pictures is None:
             self._pictures = water_picture(self._diagram, frame.slowest, frame.fastest), shadow_picture(self._diagram)
         paint_water(painter, self._diagram, frame, *self._pictures)
@@ -318,20 +300,14 @@ def water_picture(diagram: RayDiagram, slowest: float, fastest: float) -> QImage
     speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
     share = (np.broadcast_to(speed, (ROWS, COLUMNS)) - slowest) / (fastest - slowest)
     places = np.linspace(0.0, 1.0, len(NIGHT))
-    return _image(np.stack([np.interp(share, places, tone) for tone in NIGHT.T], axis=-1).astype(np.uint8), "RGB888")
+    return image_of(np.stack([np.interp(share, places, tone) for tone in NIGHT.T], axis=-1).astype(np.uint8))
 
 
 def shadow_picture(diagram: RayDiagram) -> QImage:
     """Picture of the shadow zones, which no direct ray reaches."""
     shade = np.zeros((*diagram.shadow.shape, 4), dtype=np.uint8)
     shade[diagram.shadow] = SHADE
-    return _image(shade, "RGBA8888")
-
-
-def _image(pixels: NDArray[np.uint8], name: str) -> QImage:
-    pixels = np.ascontiguousarray(pixels)
-    rows, columns, depth = pixels.shape
-    return QImage(pixels.data, columns, rows, columns * depth, getattr(QImage.Format, f"Format_{name}")).copy()
+    return image_of(shade)
 
 
 def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water: QImage, shadow: QImage) -> None:

@@ -9,7 +9,7 @@ from psygnal import Signal
 from insonify.scene import Scene, SceneError, load_partner
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.record.comparison.kept_record import Change, KeptRecord, Traced, list_changes
+from insonify_viewer.record.comparison.kept_record import STAMP, Change, KeptRecord, Traced, list_changes
 from insonify_viewer.record.comparison.linked_records import LinkedRecords
 from insonify_viewer.record.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.record.comparison.recording import Recording
@@ -58,9 +58,9 @@ class Comparison:
     @property
     def titles(self) -> tuple[str, str]:
         """Labels of the two records: their titles, or, where these are alike, the first difference."""
-        kept, title = self.kept, self._session.scene.title
+        kept, recording, title = self.kept, self._recordings.recording, self._session.scene.title
         if kept is None:
-            return self._recordings.name, title
+            return "" if recording is None else recording.path.name, title
         if kept.scene.title == title and (changes := self.changes):
             return f"{changes[0].name} {changes[0].before}", f"{changes[0].name} {changes[0].after}"
         return kept.scene.title, title
@@ -261,7 +261,8 @@ class Comparison:
             self._view.show_waiting(None, -1)
             self._window.complain(Failure("record A cannot be simulated any further; keep another one"))
             return
-        self._view.show_rows(kept.put(pings, *traced))
+        amplitude, altitude = traced
+        self._view.show_rows(kept.record.put(pings, amplitude, STAMP, altitude))
         self._fill()
         if not self._asked:
             self._measure()
@@ -270,7 +271,8 @@ class Comparison:
         """Take pings over that were traced for B by the simulation of A."""
         wanted = np.isin(answer.pings, kept.record.missing(self._window.waterfall.top, 0))
         if wanted.any():
-            self._view.show_rows(kept.put(answer.pings[wanted], answer.amplitude[wanted], answer.altitude[wanted]))
+            taken = answer.pings[wanted], answer.amplitude[wanted], STAMP, answer.altitude[wanted]
+            self._view.show_rows(kept.record.put(*taken))
 
     def _measure(self) -> None:
         """Measure on a thread what B changes, unless that is known."""

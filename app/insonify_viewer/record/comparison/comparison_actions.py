@@ -1,6 +1,7 @@
 """Commands that compare two records, and the key that shows record A while it is pressed."""
 
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QAction, QKeyEvent
@@ -38,12 +39,13 @@ class ComparisonActions(QObject):
             ("Wipe A and B", "A left of a line that is dragged, B right of it", "W", Arrangement.WIPED),
             ("Difference of A and B", "Level of B over A, in dB", "D", Arrangement.DIFFERENCE),
         ):
-            action = self._action(window, text, tip, key)
-            action.triggered.connect(lambda _=False, arrangement=arrangement: self.toggled.emit(arrangement))
+            self._action(window, text, tip, key, partial(self.toggled.emit, arrangement))
         HeldKey(window, Qt.Key.Key_X, self.held.emit)
 
-    def _action(self, window: QWidget, text: str, tip: str, key: str) -> QAction:
-        action = make_action(window, text, tip, key)
+    def _action(
+        self, window: QWidget, text: str, tip: str, key: str, do: Callable[[], object] | None = None
+    ) -> QAction:
+        action = make_action(window, text, tip, key, do)
         window.addAction(action)
         self.actions.append(action)
         return action

@@ -12,11 +12,9 @@ from PySide6.QtGui import (
     QLinearGradient,
     QMouseEvent,
     QPainter,
-    QPaintEvent,
     QPen,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QWidget
 
 from insonify.display.picture import colour_rows
 from insonify_viewer.errors import guard_override
@@ -26,7 +24,7 @@ from insonify_viewer.record.comparison.record_difference import FLOOR
 from insonify_viewer.record.record_image import EMPTY
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.widgets.arrow_keys import modifiers_of
-from insonify_viewer.widgets.painting import draw_veil, two_sided_table
+from insonify_viewer.widgets.painting import Painted, draw_veil, two_sided_table
 from insonify_viewer.widgets.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 
 GRIP = 6  # px beside the split line in which it is taken hold of
@@ -39,7 +37,7 @@ SAMPLED = 7  # every so many pixels are looked at for the span
 Columns = tuple[NDArray[np.float32], NDArray[np.bool_]]
 
 
-class ComparisonOverlay(QWidget):
+class ComparisonOverlay(Painted):
     """Lies over the view of record B and draws record A there, at the same scale."""
 
     # Where it draws nothing, the mouse belongs to record B.
@@ -97,7 +95,7 @@ class ComparisonOverlay(QWidget):
 
     def follow(self) -> None:
         """Draw anew if record A has changed; the picture of B draws the overlay with itself."""
-        if self.isVisible() and self._followed != self._a.version:
+        if self.isVisible() and self._followed != self._a.image.version:
             self.update()
 
     def place_of_a(self) -> QRectF:
@@ -149,24 +147,21 @@ class ComparisonOverlay(QWidget):
             self.resize(self._b.size())
             self.update()
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Draw record A, or the difference, over the record, and say what is drawn."""
-        del event
         plot = self._b.plot_area
-        with QPainter(self) as painter:
-            self._a.follow()
-            self._followed = self._a.version
-            if self._held:
-                self._draw_a(painter, plot)
-                self._caption(painter, plot, f"A  {self._titles[0]}")
-            elif self._arrangement is Arrangement.WIPED:
-                self._draw_a(painter, QRect(plot.left(), plot.top(), self.split - plot.left(), plot.height()))
-                self._draw_split(painter, plot)
-            elif self._arrangement is Arrangement.DIFFERENCE:
-                self._draw_difference(painter, plot)
-            else:
-                self._caption(painter, plot, "B  hold X for A")
+        self._a.follow()
+        self._followed = self._a.image.version
+        if self._held:
+            self._draw_a(painter, plot)
+            self._caption(painter, plot, f"A  {self._titles[0]}")
+        elif self._arrangement is Arrangement.WIPED:
+            self._draw_a(painter, QRect(plot.left(), plot.top(), self.split - plot.left(), plot.height()))
+            self._draw_split(painter, plot)
+        elif self._arrangement is Arrangement.DIFFERENCE:
+            self._draw_difference(painter, plot)
+        else:
+            self._caption(painter, plot, "B  hold X for A")
 
     def _draw_a(self, painter: QPainter, covered: QRect) -> None:
         painter.save()
@@ -202,7 +197,7 @@ class ComparisonOverlay(QWidget):
         self._caption(painter, right, f"B  {self._titles[1]}")
 
     def _draw_difference(self, painter: QPainter, plot: QRect) -> None:
-        wanted = (self._a.version, self._b.version, self._b.top, QRect(plot))
+        wanted = (self._a.image.version, self._b.image.version, self._b.top, QRect(plot))
         if self.difference is None or wanted != self._difference_of:
             self._difference_of = wanted
             self.difference = draw_difference(self._decibels(), two_sided_table(), EMPTY)

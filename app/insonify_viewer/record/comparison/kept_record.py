@@ -50,12 +50,6 @@ class KeptRecord:
         simulation, level = self.simulated
         return level.amplitudes(pings), find_altitude(simulation, pings)
 
-    def put(
-        self, pings: NDArray[np.int64], amplitude: NDArray[np.float32], altitude: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
-        """Store traced pings; return the rows they took."""
-        return self.record.put(pings, amplitude, STAMP, altitude)
-
 
 class Change(NamedTuple):
     """A field or a choice that differs, with its values in words."""

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QToolButton
 from insonify_viewer.record.projection import Zoom
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.buttons import make, set_icon
 
 
 class LinkedRecords(QObject):
@@ -24,11 +24,8 @@ class LinkedRecords(QObject):
         self._live, self._beside = live, beside
         self.by_ping = True  # whether rows of both are paired by ping, else by metres along the track
         self._passing = False  # whether a change is being passed on, which must not come back
-        self.padlock = QToolButton(beside)
-        self.padlock.setObjectName("link")
+        self.padlock = make(QToolButton, beside, objectName="link", checkable=True, checked=True)
         self.padlock.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.padlock.setCheckable(True)
-        self.padlock.setChecked(True)
         self.padlock.setAccessibleName("Link A and B")
         self.padlock.toggled.connect(self._show_padlock)
         self._show_padlock(True)

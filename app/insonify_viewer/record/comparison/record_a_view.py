@@ -46,7 +46,7 @@ class RecordAView(WaterfallView):
         room = QRect(plot.left(), plot.top() + round((upper - zoom.upper) * high), plot.width(), 1)
         room.setHeight(max(round((lower - upper) * high), 1))
         inside = replace(self.projection, zoom=zoom._replace(upper=upper, lower=lower))
-        self._image.draw(painter, room, inside)
+        self.image.draw(painter, room, inside)
 
     @property
     def rows_a_ping(self) -> float:

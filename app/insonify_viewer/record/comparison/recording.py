@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.io.records import RECORDS
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
-from insonify_viewer.record.record_overview import COLUMNS
+from insonify_viewer.record.record_image import COLUMNS
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import column_means
 

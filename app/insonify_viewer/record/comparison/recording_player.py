@@ -73,11 +73,6 @@ class RecordingPlayer:
         return self._clock.top
 
     @property
-    def name(self) -> str:
-        """Name of the file that is shown."""
-        return "" if self.recording is None else self.recording.path.name
-
-    @property
     def busy(self) -> bool:
         """Whether a file is being read."""
         return bool(self._reading)

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.widgets.buttons import light
 from insonify_viewer.widgets.field_rows import Change, ChoiceRow, NumberRow
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import lecture_scale, scaled
 
 MOST = 5
@@ -24,9 +25,7 @@ class ControlStrip(QWidget):
         self._structure: tuple[object, ...] = ()
         self.rows: dict[str, Any] = {}  # a `NumberRow` or `ChoiceRow` by its path
         self._cells: list[QWidget] = []
-        self._line = QHBoxLayout(self)
-        self._line.setContentsMargins(8, 0, 8, 0)
-        self._line.setSpacing(APART)
+        self._line = fill(QHBoxLayout(self), margins=(8, 0, 8, 0), spacing=APART)
         self._line.addStretch()
 
     def show_fields(self, fields: Sequence[Parameter], lit: Sequence[str] = ()) -> None:

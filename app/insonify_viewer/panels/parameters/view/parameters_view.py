@@ -13,7 +13,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.parameters.effects import EffectRow
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
 from insonify_viewer.state.sections import PINNED, FieldSection
-from insonify_viewer.widgets.buttons import set_icon
+from insonify_viewer.widgets.buttons import make, make_label, set_icon, tick_box
 from insonify_viewer.widgets.later import Later
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
@@ -48,9 +48,9 @@ class ParametersView(SidePanel):
         self.search.textChanged.connect(self.searched)
         self.column.addWidget(self.search)
         self._found: SectionBox | None = None
-        self._about = AboutBox()
-        self._about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
-        self.column.addWidget(self._about)
+        self.about = AboutBox()
+        self.about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
+        self.column.addWidget(self.about)
         self.effects = EffectsBox(self.ticked.emit)
         self.column.addWidget(self.effects)
         self._glide: QVariantAnimation | None = None
@@ -61,25 +61,11 @@ class ParametersView(SidePanel):
         self._building = QTimer(self)
         self._building.timeout.connect(self._build)
 
-    @property
-    def about(self) -> str:
-        """The description that is shown."""
-        return self._about.words
-
-    def show_at_once(self, show: Callable[[], None]) -> None:
-        """Run an update now, instead of one that waits."""
-        self.soon.stop()
-        show()
-
     def stop_waiting(self) -> None:
         """Drop what waits."""
         for timer in (self.soon, self.still, self._building):
             timer.stop()
         self.drop_glide()
-
-    def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
-        """Show the description of the scene; links that are tried at present lead back."""
-        self._about.say(parts, tried)
 
     def glide(self, move: Callable[[float], object], arrive: Callable[[], object]) -> None:
         """Call ``move`` with shares from 0 to 1 during a moment, then ``arrive``; a glide under way arrives first."""
@@ -163,7 +149,7 @@ class ParametersView(SidePanel):
             self._found = SectionBox(section, self, unfolded=True, tools=[])
             self._found.build()
             self.column.insertWidget(1, self._found)
-        self._about.setVisible(section is None and bool(self._about.words))
+        self.about.setVisible(section is None and bool(self.about.words))
         for box in (self.effects, *self._sections.values()):
             box.setVisible(section is None)
 
@@ -240,11 +226,8 @@ class ParametersView(SidePanel):
 
 def _search_line(view: ParametersView) -> QLineEdit:
     """Make the line into which a name is typed; Ctrl+F goes there, Escape empties it."""
-    line = QLineEdit()
-    line.setObjectName("search")
-    line.setPlaceholderText("Search a parameter (Ctrl+F)")
+    line = make(QLineEdit, objectName="search", placeholderText="Search a parameter (Ctrl+F)", clearButtonEnabled=True)
     line.setAccessibleName("Search a parameter")
-    line.setClearButtonEnabled(True)
     line.setToolTip("Find a parameter by words of its name or description (Ctrl+F)")
 
     def begin() -> None:
@@ -266,11 +249,7 @@ class AboutBox(FoldingBox):
     """The description of the scene, under a heading that folds."""
 
     def __init__(self) -> None:
-        self.label = QLabel()
-        self.label.setObjectName("about")
-        self.label.setWordWrap(True)
-        self.label.setTextFormat(Qt.TextFormat.RichText)
-        flag = Qt.TextInteractionFlag
+        self.label, flag = make_label("about", form=Qt.TextFormat.RichText), Qt.TextInteractionFlag
         self.label.setTextInteractionFlags(
             flag.TextSelectableByMouse | flag.LinksAccessibleByMouse | flag.LinksAccessibleByKeyboard
         )
@@ -352,12 +331,9 @@ class EffectsBox(FoldingBox):
             figure.setToolTip(row.explanation)
 
     def _add(self, row: EffectRow) -> None:
-        tick, figure = QCheckBox(row.name), QLabel()
-        tick.setToolTip(row.meaning)
-        tick.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keyboard to the record, where Space pauses
+        tick, right = tick_box(row.name, row.meaning), Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         tick.clicked.connect(lambda on, name=row.name: self._ticked(name, on))
-        figure.setObjectName("figure")
-        figure.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        figure = make(QLabel, objectName="figure", alignment=right)
         figure.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         line = len(self.ticks)
         self._grid.addWidget(tick, line, 0)

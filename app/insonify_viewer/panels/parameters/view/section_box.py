@@ -11,8 +11,9 @@ from insonify.scene import Scene
 from insonify_viewer.panels.parameters.view.setting_pictures import SettingPicture, pictures_of_settings
 from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.state.sections import PINNED, FieldSection
-from insonify_viewer.widgets.buttons import light
+from insonify_viewer.widgets.buttons import light, make
 from insonify_viewer.widgets.field_rows import ChoiceRow, FileRow, NumberRow
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.side_panel import FoldingBox
 
 Row = NumberRow | ChoiceRow | FileRow
@@ -85,13 +86,10 @@ class SectionBox(FoldingBox):
         if self._built:
             return
         self._built = True
-        column = QVBoxLayout(self._body)
-        column.setContentsMargins(6, 4, 2, 4)
-        column.setSpacing(4)
         usual = [each for each in self._section.parameters if not each.rare]
         grid = self._grid(usual, self._signals)
         self._pictures = [] if self._section.key == PINNED else _pictures(usual, grid, self._signals)
-        column.addLayout(grid)
+        column = fill(QVBoxLayout(self._body), grid, margins=(6, 4, 2, 4), spacing=4)
         if rare := [each for each in self._section.parameters if each.rare]:
             self._add_more(column, rare, self._signals, self._shows_more)
         self._mark_changed()
@@ -144,10 +142,8 @@ class SectionBox(FoldingBox):
 
     def _add_more(self, column: QVBoxLayout, rare: list[Parameter], signals: RowSignals, shown: bool) -> None:
         """Add the rare fields below a button that shows and hides them."""
-        self._more = more = QToolButton()
-        more.setObjectName("more")
-        more.setCheckable(True)
-        more.setToolTip("Fields that are rarely changed")
+        tip = "Fields that are rarely changed"
+        self._more = more = make(QToolButton, objectName="more", checkable=True, toolTip=tip)
         below = QWidget()
         grid = self._grid(rare, signals)
         below.setLayout(grid)
@@ -191,11 +187,7 @@ def _pictures(parameters: list[Parameter], grid: QGridLayout, signals: RowSignal
 
 def make_tool(name: str, text: str, tip: str, act: Callable[[], None]) -> QToolButton:
     """Make a button for beside the heading of a section."""
-    button = QToolButton()
-    button.setObjectName(name)
-    button.setText(text)
-    button.setToolTip(tip)
-    button.setAccessibleName(tip)
+    button = make(QToolButton, objectName=name, text=text, toolTip=tip, accessibleName=tip)
     button.setFixedWidth(TOOL)
     button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
     button.clicked.connect(act)
@@ -204,11 +196,7 @@ def make_tool(name: str, text: str, tip: str, act: Callable[[], None]) -> QToolB
 
 def _side_by_side(tools: list[QToolButton]) -> QWidget:
     widget = QWidget()
-    row = QHBoxLayout(widget)
-    row.setContentsMargins(0, 0, 0, 0)
-    row.setSpacing(2)
-    for tool in tools:
-        row.addWidget(tool)
+    fill(QHBoxLayout(widget), *tools, margins=(0, 0, 0, 0), spacing=2)
     return widget
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPen
+from PySide6.QtWidgets import QSizePolicy
 
 from insonify.display.scene_curves import (
     FLOOR,
@@ -23,9 +23,8 @@ from insonify.display.scene_curves import (
 )
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import nearest_within
-from insonify_viewer.widgets.painting import make_polyline, round_steps
+from insonify_viewer.widgets.painting import Painted, image_of, make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT, scaled
 
 LEFT = 8.0  # px, before curves and spectrum
@@ -37,7 +36,7 @@ HANDLE, NEAR = 4.5, 12.0  # px: radius of a peak, and distance from which it is 
 PATH = "seabed.relief.peaks"
 
 
-class SettingPicture(QWidget):
+class SettingPicture(Painted):
     """A picture of a part of the scene, hidden while the scene has nothing to draw there."""
 
     # It is computed when it is next painted: one that is folded away or scrolled out of sight costs nothing.
@@ -79,18 +78,13 @@ class CurvesPicture(SettingPicture):
         """Whether a scene has these curves."""
         return self._applies(scene)
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Paint the curves side by side; others that are due follow a moment later."""
-        del event
         self._begin()
         curves = self.curves
-        if not curves:
-            return
-        with QPainter(self) as painter:
-            wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / len(curves)
-            for place, curve in enumerate(curves):
-                _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
+        wide = (self.width() - LEFT - GAP * (len(curves) - 1)) / max(len(curves), 1)
+        for place, curve in enumerate(curves):
+            _paint(painter, curve, QRectF(LEFT + place * (wide + GAP), 0.0, wide, self.height()))
 
     def _begin(self) -> None:
         """Make the curves of the present scene, on a thread of their own: those of a long pulse take a while."""
@@ -210,26 +204,23 @@ class SpectrumPicture(SettingPicture):
         across, up = (0.5 + 0.5 * wave / reach for wave in peak)
         return QPointF(area.left() + across * area.width(), area.bottom() - up * area.height())
 
-    @guard_override(None)
-    def paintEvent(self, event: QPaintEvent) -> None:
+    def paint(self, painter: QPainter) -> None:
         """Paint the plane, its axes and the peaks."""
-        del event
         spectrum = self.spectrum
         if spectrum is None or self._drawn is None:
             return
-        with QPainter(self) as painter:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
-            area = self.area
-            painter.drawImage(area, self._drawn[2])
-            painter.setPen(QColor(TEXT))
-            heading = QRectF(LEFT, 0.0, self.width() - LEFT, area.top())
-            painter.drawText(heading, Qt.AlignmentFlag.AlignLeft, "Spectrum")
-            self._paint_words(painter, spectrum)
-            for number, peak in enumerate(spectrum.peaks):
-                painter.setPen(QPen(QColor(GROUND), 1.0))
-                painter.setBrush(QColor(ACCENT if number == self._held else MARK))
-                painter.drawEllipse(self.place_of(peak), HANDLE, HANDLE)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        area = self.area
+        painter.drawImage(area, self._drawn[2])
+        painter.setPen(QColor(TEXT))
+        heading = QRectF(LEFT, 0.0, self.width() - LEFT, area.top())
+        painter.drawText(heading, Qt.AlignmentFlag.AlignLeft, "Spectrum")
+        self._paint_words(painter, spectrum)
+        for number, peak in enumerate(spectrum.peaks):
+            painter.setPen(QPen(QColor(GROUND), 1.0))
+            painter.setBrush(QColor(ACCENT if number == self._held else MARK))
+            painter.drawEllipse(self.place_of(peak), HANDLE, HANDLE)
 
     def _paint_words(self, painter: QPainter, spectrum: ReliefSpectrum) -> None:
         """State beside the plane what it spans and what the peaks are."""
@@ -291,9 +282,7 @@ class SpectrumPicture(SettingPicture):
 
 def _image(spectrum: ReliefSpectrum) -> QImage:
     """Make the grey picture of a spectrum, fy upwards."""
-    grey = np.ascontiguousarray((255.0 * (1.0 - spectrum.decibels[::-1] / FLOOR)).astype(np.uint8))
-    rows, columns = grey.shape
-    return QImage(grey.data, columns, rows, columns, QImage.Format.Format_Grayscale8).copy()
+    return image_of((255.0 * (1.0 - spectrum.decibels[::-1] / FLOOR)).astype(np.uint8))
 
 
 def pictures_of_settings() -> dict[str, SettingPicture]:

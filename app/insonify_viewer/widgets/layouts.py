@@ -1,0 +1,42 @@
+"""Rows, columns and splitters that are filled in one call."""
+
+from typing import TypeVar
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QBoxLayout, QLayout, QSplitter, QWidget
+
+Box = TypeVar("Box", bound=QBoxLayout)
+Margins = tuple[int, int, int, int]  # px: left, top, right, bottom
+
+
+def fill(
+    box: Box,
+    *parts: QWidget | QLayout | None,
+    growing: QWidget | None = None,
+    margins: Margins | None = None,
+    spacing: int | None = None,
+) -> Box:
+    """Put parts into a row or a column, None for free room; the growing one takes the room that is left."""
+    if margins is not None:
+        box.setContentsMargins(*margins)
+    if spacing is not None:
+        box.setSpacing(spacing)
+    for part in parts:
+        if part is None:
+            box.addStretch(1)
+        elif isinstance(part, QLayout):
+            box.addLayout(part)
+        else:
+            box.addWidget(part, int(part is growing))
+    return box
+
+
+def make_splitter(way: Qt.Orientation, *parts: QWidget, sizes: tuple[int, ...] = ()) -> QSplitter:
+    """Put parts side by side or one below the other, with a line to drag; none of them can be dragged shut."""
+    splitter = QSplitter(way)
+    for part in parts:
+        splitter.addWidget(part)
+    splitter.setChildrenCollapsible(False)
+    if sizes:
+        splitter.setSizes(sizes)
+    return splitter
