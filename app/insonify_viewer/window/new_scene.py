@@ -69,8 +69,8 @@ class NewScene(QDialog):
         for name in bundled_sonars():
             self.sonar.addItem(str(read_preset(name)["title"]), name)
         self.sonar.setCurrentIndex(self.sonar.findData("towfish-400"))
-        self.depth, self.altitude = (QDoubleSpinBox(suffix=" m", minimum=0.5, maximum=6000.0) for _ in range(2))
-        self.depth.setValue(30.0)
+        self.water_depth, self.altitude = (QDoubleSpinBox(suffix=" m", minimum=0.5, maximum=6000.0) for _ in range(2))
+        self.water_depth.setValue(30.0)
         self.pings = QSpinBox(minimum=1, maximum=1_000_000, value=512)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.buttons.accepted.connect(self.accept)
@@ -79,7 +79,7 @@ class NewScene(QDialog):
         for name, field, tip in (
             ("Seabed", self.beds, "The bed of a bundled scene"),
             ("Sonar", self.sonar, "Frequency, beams, pulse and range of a class of sonars"),
-            ("Water depth", self.depth, "Depth of the water over the middle level of the bed"),
+            ("Water depth", self.water_depth, "Depth of the water over the middle level of the bed"),
             ("Altitude", self.altitude, "Height of the towfish over the bed; a tenth of the range is usual"),
             ("Pings", self.pings, "Length of the track, in pings"),
             (
@@ -102,12 +102,12 @@ class NewScene(QDialog):
         meshes = [str(item.data(Qt.ItemDataRole.UserRole)) for item in self.targets.selectedItems()]
         bed = str(self.beds.currentItem().data(Qt.ItemDataRole.UserRole))
         sonar = str(self.sonar.currentData())
-        return compose_scene(bed, sonar, self.depth.value(), self.altitude.value(), self.pings.value(), meshes)
+        return compose_scene(bed, sonar, self.water_depth.value(), self.altitude.value(), self.pings.value(), meshes)
 
     def _fly(self) -> None:
         """Suggest an altitude, and a depth that has room for it."""
         self.altitude.setValue(FLOWN * float(read_preset(str(self.sonar.currentData()))["sonar"]["range"]))
-        self.depth.setValue(max(self.depth.value(), 1.5 * self.altitude.value()))
+        self.water_depth.setValue(max(self.water_depth.value(), 1.5 * self.altitude.value()))
 
 
 def _fill(choices: QListWidget, files: Iterable[tuple[str, Path, str]]) -> None:
