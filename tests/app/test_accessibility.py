@@ -15,6 +15,7 @@ from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
+from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.scene_menu import scene_gallery
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
@@ -188,6 +189,7 @@ DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
     "about": AboutDialog,
     "keys": lambda window: KeysDialog(window, window.menus.all),
     "gallery": scene_gallery,
+    "new scene": NewScene,
     "data set": lambda window: DatasetQuestion(["mines"], sections_of(load_scene("default")), window),
     "survey": lambda window: SurveyQuestion(load_scene("default"), window),
 }

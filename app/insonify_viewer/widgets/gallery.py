@@ -21,12 +21,7 @@ class Gallery(QDialog):
         super().__init__(window)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(title)
-        self.list = make(QListWidget, objectName="choices", accessibleName=title, wordWrap=True)
-        self.list.setViewMode(QListView.ViewMode.IconMode)
-        self.list.setResizeMode(QListView.ResizeMode.Adjust)
-        self.list.setMovement(QListView.Movement.Static)
-        self.list.setIconSize(PICTURE)
-        self.list.setGridSize(CELL)
+        self.list = choices_list(title)
         self.list.itemClicked.connect(self._pick)
         self.list.itemActivated.connect(self._pick)  # by Enter
         fill(QVBoxLayout(self), self.list, margins=(6, 6, 6, 6))
@@ -34,13 +29,29 @@ class Gallery(QDialog):
 
     def add(self, path: str, title: str, tip: str) -> None:
         """Add a file; its tip is a paragraph of HTML, which Qt wraps."""
-        item = QListWidgetItem(QIcon(str(bundled_picture(path))), title, self.list)
-        item.setData(Qt.ItemDataRole.UserRole, path)
-        item.setToolTip(tip)
-        item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)
+        add_choice(self.list, path, title, tip, path)
 
     def _pick(self, item: QListWidgetItem) -> None:
         """Close, and signal the path of an item; a double click or a click taken for activation signals once."""
         if self.isVisible():
             self.close()
             self.wanted.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
+def choices_list(name: str) -> QListWidget:
+    """Make a list of pictures with names."""
+    choices = make(QListWidget, objectName="choices", accessibleName=name, wordWrap=True)
+    choices.setViewMode(QListView.ViewMode.IconMode)
+    choices.setResizeMode(QListView.ResizeMode.Adjust)
+    choices.setMovement(QListView.Movement.Static)
+    choices.setIconSize(PICTURE)
+    choices.setGridSize(CELL)
+    return choices
+
+
+def add_choice(choices: QListWidget, path: str, title: str, tip: str, value: str) -> None:
+    """Add a bundled file that has a picture, and what it stands for."""
+    item = QListWidgetItem(QIcon(str(bundled_picture(path))), title, choices)
+    item.setData(Qt.ItemDataRole.UserRole, value)
+    item.setToolTip(tip)
+    item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop)

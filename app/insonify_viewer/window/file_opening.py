@@ -28,6 +28,7 @@ from insonify_viewer.record.comparison.recording_player import RecordingPlayer
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.main_window import MainWindow
+from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator
 
@@ -64,6 +65,7 @@ class FileOpening:
         window.open_contacts.triggered.connect(self.ask_for_contacts)
         window.scenes.wanted.connect(self.open_scene)
         window.recent.wanted.connect(self.open_recent)
+        window.new_scene.triggered.connect(self.ask_for_new_scene)
         window.open_scene.triggered.connect(self.ask_for_scene)
         window.open_recording.triggered.connect(lambda: self.open_recording(self.ask_for_recording()))
         window.open_dem.triggered.connect(lambda: self.ask_for_dem(session.scene))
@@ -93,6 +95,16 @@ class FileOpening:
             self._simulator.send(lambda: _read_part(path), partial(self._use, path))
         else:
             self._window.complain(Failure(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}"))
+
+    def ask_for_new_scene(self) -> None:
+        """Let the person put a scene together, after the question about unsaved changes."""
+        if self._saving.may_leave():
+            question = NewScene(self._window)
+            if question.exec():
+                try:
+                    self._opened(question.scene, "")
+                except SceneError as error:
+                    self._window.complain(error)
 
     def ask_for_scene(self) -> None:
         """Let the person pick a scene, after the question about unsaved changes."""

@@ -254,8 +254,9 @@ class MainWindow(QMainWindow):
         self.addToolBar(bar)
         key = QKeySequence.StandardKey
         self.open_scene = make_action(self, "Open a file…", "Open a scene", key.Open)
+        self.new_scene = make_action(self, "New…", "Put a scene together from bed, sonar, track and targets", key.New)
         self.open_recording = make_action(self, "Open a recording…", "Open a recording", "Ctrl+Shift+O")
-        self.addActions([self.open_scene, self.open_recording])
+        self.addActions([self.new_scene, self.open_scene, self.open_recording])
         self.scenes = SceneMenu(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         tip = "Replace the bed by a grid of measured heights"
@@ -328,7 +329,7 @@ class MainWindow(QMainWindow):
         """Put every command into the menus, before those of panels."""
         menus = self.menus
         menus.file.addMenu(self.scenes.menu()).setText("Scenes")
-        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
+        menus.group("File", [self.new_scene, self.open_scene, self.open_recording, self.open_dem])
         tip = "Open a file of contacts, which replaces the list"
         self.open_contacts = menus.add("File", "Open contacts…", tip)
         menus.file.addMenu(self.recent)
