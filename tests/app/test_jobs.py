@@ -284,7 +284,7 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     (job,) = viewer.jobs.jobs
     qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
     (row,) = view.rows
-    for _ in range(5):  # past the other buttons
+    for _ in range(7):  # past the other buttons
         press(qtbot, Qt.Key.Key_Tab)
     assert focus() is row
     heard = accessible_name(row)

@@ -5,10 +5,8 @@ from typing import Any
 
 from insonify.files import bundled_specifications
 from insonify.scene import Scene, plain
-from insonify.surveys.lines.summary import PAGE
 from insonify_viewer.errors import Failure
 from insonify_viewer.panels.jobs.view.jobs_view import JobsView
-from insonify_viewer.panels.jobs.view.questions import DatasetQuestion, SurveyQuestion
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.work.jobs import BackgroundJob
@@ -59,6 +57,10 @@ class JobsPanel(Panel):
 
     def ask_for_survey(self) -> None:
         """Ask for the lines of a survey of the present scene, and tow along them."""
+        # lazy: loads Numba; the window opens before
+        from insonify.surveys.lines.summary import PAGE
+        from insonify_viewer.panels.jobs.view.questions import SurveyQuestion
+
         scene = self._workbench.session.scene
         question = SurveyQuestion(scene, self.widget)
         if question.exec():
@@ -68,6 +70,9 @@ class JobsPanel(Panel):
 
     def ask_for_dataset(self) -> None:
         """Ask for a data set, by a specification or of the present scene, and make it."""
+        # lazy: loads Numba; the window opens before
+        from insonify_viewer.panels.jobs.view.questions import DatasetQuestion
+
         scene = self._workbench.session.scene
         question = DatasetQuestion(sorted(bundled_specifications("datasets")), sections_of(scene), self.widget)
         if question.exec():

@@ -23,6 +23,7 @@ from insonify.io.records import RECORDS
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.widgets.text import one_line
@@ -54,8 +55,7 @@ class JobRow(QFrame):
         self.title, self.words = make_label("choice", one_line(job.title)), make_label("name")
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
-        self.stop = push_button("Stop", "Stop this job (Delete); no half-written file is left")
-        self.stop.clicked.connect(job.stop)
+        self.stop = push_button("Stop", "Stop this job (Delete); no half-written file is left", job.stop)
         self.show_result = push_button("Show", "Open the folder of the result")
         self.show_result.clicked.connect(
             lambda: QDesktopServices.openUrl(QUrl.fromLocalFile(str(Path(str(job.result)).parent)))
@@ -142,22 +142,22 @@ class JobsView(QWidget):
         self.setWindowTitle("Jobs · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
-        self.record = _button(
+        self.record = push_button(
             "&Record…",
             "Save every ping of the scene as data or as a picture",
             partial(self._ask, "Save the record", "record.nc", record_formats(), self.record_wanted.emit),
         )
-        self.chart = _button("&Chart…", "Measure error, time or convergence of the methods on this computer")
+        self.chart = push_button("&Chart…", "Measure error, time or convergence of the methods on this computer")
         self.chart.setMenu(self._charts())
-        self.survey = _button("S&urvey…", "Tow over the scene along parallel lines", self.survey_wanted.emit)
-        self.mosaic = _button("&Mosaic…", "Put records on a map, as GeoTIFF or KMZ", self._ask_for_mosaic)
-        self.dataset = _button("&Data set…", "Make labelled pictures to train a detector", self.dataset_wanted.emit)
-        self.stability = _button(
+        self.survey = push_button("S&urvey…", "Tow over the scene along parallel lines", self.survey_wanted.emit)
+        self.mosaic = push_button("&Mosaic…", "Put records on a map, as GeoTIFF or KMZ", self._ask_for_mosaic)
+        self.dataset = push_button("&Data set…", "Make labelled pictures to train a detector", self.dataset_wanted.emit)
+        self.stability = push_button(
             "S&tability…",
             "Write a page on where methods fail",
             partial(self._ask, "Save the stability page", "stability.html", PAGES, self.stability_wanted.emit),
         )
-        self.forget = _button("C&lear", "Remove finished jobs from the list", self.forget_wanted.emit)
+        self.forget = push_button("C&lear", "Remove finished jobs from the list", self.forget_wanted.emit)
         self._rows: dict[BackgroundJob, JobRow] = {}
         self._lay_out()
 
@@ -232,23 +232,10 @@ class JobsView(QWidget):
             self._ask("Save the mosaic", "mosaic.tif", MOSAICS, wanted)
 
     def _lay_out(self) -> None:
-        tools = QHBoxLayout()
-        for button in (self.record, self.survey, self.mosaic, self.dataset, self.chart, self.stability):
-            tools.addWidget(button)
-        tools.addStretch(1)
-        tools.addWidget(self.forget)
+        buttons = self.record, self.survey, self.mosaic, self.dataset, self.chart, self.stability
+        tools = fill(QHBoxLayout(), *buttons, None, self.forget)
         self._scroll = ScrollColumn()
         self._scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # it follows the job that has the keyboard
         self._list = self._scroll.column
         self._list.addStretch(1)
-        column = QVBoxLayout(self)
-        column.addLayout(tools)
-        column.addWidget(make_label("name", HINT))
-        column.addWidget(self._scroll, 1)
-
-
-def _button(text: str, tip: str, clicked: Callable[[], None] | None = None) -> QPushButton:
-    button = push_button(text, tip)
-    if clicked is not None:
-        button.clicked.connect(lambda: clicked())
-    return button
+        fill(QVBoxLayout(self), tools, make_label("name", HINT), self._scroll, growing=self._scroll)

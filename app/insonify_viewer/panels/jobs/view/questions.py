@@ -35,7 +35,8 @@ from insonify.tow.line import tow_line_at
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.quantities import format_quantity, format_time_left
 from insonify_viewer.state.sections import FieldSection
-from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.buttons import make, make_label
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.painting import PaintedOnce
 from insonify_viewer.widgets.theme import ACCENT
 
@@ -53,8 +54,7 @@ class FolderQuestion(QDialog):
         super().__init__(parent)
         self.setWindowTitle(title)
         self._form = QFormLayout(self)
-        self._folder = QLineEdit(str(Path.home() / name))
-        self._folder.setObjectName("line")
+        self._folder = make(QLineEdit, str(Path.home() / name), objectName="line")
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
@@ -69,13 +69,10 @@ class FolderQuestion(QDialog):
         field.setAccessibleName(name)
         field.setToolTip(tip)
         if choose is not None:
-            line, button = QWidget(), QPushButton("Choose…")
-            row = QHBoxLayout(line)
-            row.setContentsMargins(0, 0, 0, 0)
-            button.setToolTip(tip)
+            line = QWidget()
+            button = make(QPushButton, "Choose…", toolTip=tip)
             button.clicked.connect(choose)
-            row.addWidget(field, 1)
-            row.addWidget(button)
+            fill(QHBoxLayout(line), field, button, growing=field, margins=(0, 0, 0, 0))
         self._form.addRow(name, field if choose is None else line)
 
     def end(self, what: str) -> None:
@@ -190,12 +187,9 @@ class DatasetQuestion(FolderQuestion):
 
     def __init__(self, bundled: list[str], sections: Sequence[FieldSection], parent: QWidget) -> None:
         super().__init__("Make a data set", "dataset", parent)
-        self.specification = QComboBox()
-        self.specification.setEditable(True)
+        self.specification = make(QComboBox, editable=True)
         self.specification.addItems([PRESENT, *bundled])
-        self.scenes = QSpinBox()
-        self.scenes.setRange(1, MOST_SCENES)
-        self.scenes.setValue(USUAL_SCENES)
+        self.scenes = make(QSpinBox, minimum=1, maximum=MOST_SCENES, value=USUAL_SCENES)
         self._fields = [
             field
             for section in sections
@@ -254,12 +248,7 @@ class DatasetQuestion(FolderQuestion):
 
 def _spin(value: float, low: float, high: float, unit: str) -> QDoubleSpinBox:
     """Field of a number with its unit."""
-    spin = QDoubleSpinBox()
-    spin.setRange(low, high)
-    spin.setDecimals(1)
-    spin.setSuffix(unit)
-    spin.setValue(value)
-    return spin
+    return make(QDoubleSpinBox, decimals=1, minimum=low, maximum=high, suffix=unit, value=value)
 
 
 def _number(text: str, field: NumberField, shown: str) -> float | int | str:
