@@ -24,7 +24,8 @@ from insonify.lessons.questions import Grade, Verdict
 from insonify.lessons.worksheet import Worksheet
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
-from insonify_viewer.widgets.buttons import light, make_label, push_button
+from insonify_viewer.widgets.buttons import light, make, make_label, push_button
+from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.save_dialogs import save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.widgets.theme import TEXT, lecture_scale
@@ -91,27 +92,23 @@ class ListPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.lessons = QListWidget()
-        self.lessons.setObjectName("lessons")
-        self.lessons.setAccessibleName("Lessons")
-        self.lessons.setToolTip("A double click, or Enter, starts the lesson")
-        self.lessons.setWordWrap(True)
+        tip = "A double click, or Enter, starts the lesson"
+        self.lessons = make(QListWidget, objectName="lessons", accessibleName="Lessons", toolTip=tip, wordWrap=True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
         self.lessons.itemActivated.connect(self._start)
         self.lessons.currentItemChanged.connect(self._describe)
         self.about = _words()
-        self.results = push_button("Results", "Show your answers to this lesson, and save them as a page", wide=True)
-        self.results.clicked.connect(lambda: self.reviewed.emit(_lesson_of(self.lessons.currentItem())))
-        self.start = push_button("Start", "Open the scene of this lesson, and show its first step", wide=True)
-        self.start.clicked.connect(lambda: self._start(self.lessons.currentItem()))
+        tip = "Show your answers to this lesson, and save them as a page"
+        self.results = push_button(
+            "Results", tip, lambda: self.reviewed.emit(_lesson_of(self.lessons.currentItem())), wide=True
+        )
+        tip = "Open the scene of this lesson, and show its first step"
+        self.start = push_button("Start", tip, lambda: self._start(self.lessons.currentItem()), wide=True)
         self.lecture = _lecture_button()
         self._courses: dict[str, Course] = {}
         self._ended: Collection[str] = ()
-        column = QVBoxLayout(self)
-        column.addWidget(self.lessons, 1)
-        column.addWidget(self.about)
-        column.addLayout(_row(self.lecture, self.results))
-        column.addWidget(self.start)
+        row = _row(self.lecture, self.results)
+        fill(QVBoxLayout(self), self.lessons, self.about, row, self.start, growing=self.lessons)
 
     def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str], ended: Collection[str]) -> None:
         """Show lessons by course, given those with all steps done and those with a summary; select the first to do."""
@@ -176,8 +173,8 @@ class StepPage(QWidget):
         self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
         self.ask, self.verdict = QuestionBox(), _words("verdict")
         self.show_me = push_button("Show me", "Make the change that this step describes", wide=True)
-        self.reveal = push_button("Show the answer", "Show the answer to the question", wide=True)
-        self.reveal.clicked.connect(lambda: self._show_answer(True))
+        tip = "Show the answer to the question"
+        self.reveal = push_button("Show the answer", tip, lambda: self._show_answer(True), wide=True)
         self.back = push_button("Back", "Return to the step before (Page Up)", wide=True)
         self.next = push_button("Next", "Go to the next step (Page Down)", wide=True)
         for key, button in (("PgUp", self.back), ("PgDown", self.next)):  # which remote controls of projectors send
@@ -235,25 +232,16 @@ class StepPage(QWidget):
     def _lay_out(self) -> None:
         self._scroll = ScrollColumn()
         self._scroll.setAccessibleName("Step of the lesson")
-        task, reply = QVBoxLayout(), QVBoxLayout()
-        for half in (task, reply):
-            half.setSpacing(10)
-        for words in (self.lesson, self.introduction, self.step, self.text):
-            task.addWidget(words)
-        reply.addWidget(self.ask)
-        reply.addLayout(_row(self.tick, self.show_me))
-        for part in (self.verdict, self.look_for, self.question, self.reveal, self.answer):
-            reply.addWidget(part)
+        task = fill(QVBoxLayout(), self.lesson, self.introduction, self.step, self.text, spacing=10)
+        parts = self.verdict, self.look_for, self.question, self.reveal, self.answer
+        reply = fill(QVBoxLayout(), self.ask, _row(self.tick, self.show_me), *parts, spacing=10)
         self._halves, self._page = QBoxLayout(QBoxLayout.Direction.TopToBottom), QVBoxLayout(self)
         self._halves.setSpacing(10)
         self._halves.addLayout(task, 1)
         self._halves.addLayout(reply, 1)
-        self._scroll.column.addLayout(self._halves)
-        self._scroll.column.addStretch(1)
+        fill(self._scroll.column, self._halves, None)
         self._ends = _row(self.left, self.lecture), _row(self.back, self.next)
-        self._page.addLayout(self._ends[0])
-        self._page.addWidget(self._scroll, 1)
-        self._page.addLayout(self._ends[1])
+        fill(self._page, self._ends[0], self._scroll, self._ends[1], growing=self._scroll)
 
     def spread(self, wide: bool) -> None:
         """Lay task, reply and buttons side by side, as in a wide low place, or one below the other."""
@@ -272,16 +260,10 @@ class SummaryPage(QWidget):
         self.left = push_button("‹ Lessons", "Return to the list; the scene stays as it is now", wide=True)
         self.lecture = _lecture_button()
         self.lesson, self.text = _words("lesson"), _words()
-        self.save = push_button(
-            "Save page…", "Write a page to hand in, with your answers, settings and pictures of the record", wide=True
-        )
+        tip = "Write a page to hand in, with your answers, settings and pictures of the record"
+        self.save = push_button("Save page…", tip, wide=True)
         self.next = push_button("Next lesson", "Begin the lesson that follows in the list", wide=True)
-        column = QVBoxLayout(self)
-        column.addLayout(_row(self.left, self.lecture))
-        for part in (self.lesson, self.text, self.save):
-            column.addWidget(part)
-        column.addStretch(1)
-        column.addWidget(self.next)
+        fill(QVBoxLayout(self), _row(self.left, self.lecture), self.lesson, self.text, self.save, None, self.next)
 
     def show_summary(self, worksheet: Worksheet, following: Lesson | None) -> None:
         """Show the summary of a lesson, and offer the lesson that follows."""

@@ -6,7 +6,8 @@ from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QLineEdit, QRad
 
 from insonify.lessons.questions import UNKNOWN, Ask, read_number
 from insonify_viewer.errors import guard_override
-from insonify_viewer.widgets.buttons import light, make_label, push_button
+from insonify_viewer.widgets.buttons import light, make, make_label, push_button
+from insonify_viewer.widgets.layouts import fill
 
 NOTED = "Your answer is kept. Now make the change, and see."
 
@@ -19,19 +20,15 @@ class QuestionBox(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.question = make_label("", form=Qt.TextFormat.MarkdownText)
-        self.number = QLineEdit()
-        self.number.setObjectName("line")
-        self.number.setAccessibleName("Your answer, a number")
-        self.number.setToolTip("Type a number, with a point or a comma; Return answers")
+        tip = "Type a number, with a point or a comma; Return answers"
+        self.number = make(QLineEdit, objectName="line", accessibleName="Your answer, a number", toolTip=tip)
         self.number.returnPressed.connect(self._answer)
         self.number.textChanged.connect(self._enable)
         self.unit = QLabel()
-        self.answer = push_button("Answer", "Keep this answer; it is judged after you have made the change", wide=True)
-        self.answer.clicked.connect(self._answer)
-        self.unknown = push_button(
-            UNKNOWN, "Go on without an answer; the right one follows after the change", wide=True
-        )
-        self.unknown.clicked.connect(lambda: self.answered.emit(UNKNOWN, None))
+        tip = "Keep this answer; it is judged after you have made the change"
+        self.answer = push_button("Answer", tip, self._answer, wide=True)
+        tip = "Go on without an answer; the right one follows after the change"
+        self.unknown = push_button(UNKNOWN, tip, lambda: self.answered.emit(UNKNOWN, None), wide=True)
         self.note = make_label("quiet")
         self.choices: list[ChoiceRow] = []
         self._group = QButtonGroup(self)
@@ -98,20 +95,10 @@ class QuestionBox(QWidget):
     def _lay_out(self) -> None:
         self._rows = QVBoxLayout()
         self._line = QWidget()
-        line = QHBoxLayout(self._line)
-        line.setContentsMargins(0, 0, 0, 0)
-        line.addWidget(self.number, 1)
-        line.addWidget(self.unit)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.answer)
-        buttons.addWidget(self.unknown)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.question)
-        column.addLayout(self._rows)
-        column.addWidget(self._line)
-        column.addLayout(buttons)
-        column.addWidget(self.note)
+        none = (0, 0, 0, 0)
+        fill(QHBoxLayout(self._line), self.number, self.unit, growing=self.number, margins=none)
+        buttons = fill(QHBoxLayout(), self.answer, self.unknown)
+        fill(QVBoxLayout(self), self.question, self._rows, self._line, buttons, self.note, margins=none)
 
 
 class ChoiceRow(QWidget):
@@ -119,10 +106,8 @@ class ChoiceRow(QWidget):
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self.button, self.label = QRadioButton(), QLabel(text)
-        self.button.setAccessibleName(text)
-        self.button.setToolTip("Choose this answer")
-        self.label.setWordWrap(True)
+        self.button = make(QRadioButton, accessibleName=text, toolTip="Choose this answer")
+        self.label = make(QLabel, text, wordWrap=True)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.addWidget(self.button, 0, Qt.AlignmentFlag.AlignTop)
