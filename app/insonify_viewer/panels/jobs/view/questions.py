@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF, QTransform
+from PySide6.QtCore import QLineF, QPointF, QSize, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QTransform
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QComboBox,
@@ -16,6 +16,8 @@ from PySide6.QtWidgets import (
     QDoubleSpinBox,
     QFileDialog,
     QFormLayout,
+    QGraphicsScene,
+    QGraphicsView,
     QHBoxLayout,
     QHeaderView,
     QLineEdit,
@@ -37,11 +39,10 @@ from insonify_viewer.state.quantities import format_quantity, format_time_left
 from insonify_viewer.state.sections import FieldSection
 from insonify_viewer.widgets.buttons import make, make_label
 from insonify_viewer.widgets.layouts import fill
-from insonify_viewer.widgets.painting import PaintedOnce
 from insonify_viewer.widgets.theme import ACCENT
 
 MOST_SCENES, USUAL_SCENES = 1_000_000, 20
-MAP, MARGIN, SHOWN = QSize(360, 240), 10, 55  # px, px, opacity of a swath of 255
+MAP, DOT, SHOWN = QSize(360, 240), 6.0, 55  # px, px, opacity of a swath of 255
 TABLE = QSize(440, 260)
 WIDEST = 100_000.0  # m, of an area
 PRESENT = "this scene"
@@ -87,46 +88,6 @@ class FolderQuestion(QDialog):
             self._folder.setText(folder)
 
 
-class LinesMap(PaintedOnce):
-    """Lines of a survey with their swaths, the area that they cover, and the targets; north is up."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setMinimumSize(MAP)
-        self._corners, self._lines, self._targets = np.zeros((0, 2)), list[SurveyLine](), np.zeros((0, 2))
-        self._reach = 0.0
-
-    def show_lines(self, area: Area, lines: list[SurveyLine], reach: float, targets: np.ndarray) -> None:
-        """Draw lines from which the sonar reaches so many metres to each side."""
-        self._corners, self._lines, self._reach, self._targets = np.array(area.corners), lines, reach, targets
-        self.paint_anew()
-
-    def paint_picture(self, painter: QPainter) -> None:
-        """Draw the map."""
-        low, high = self._corners.min(axis=0) - self._reach, self._corners.max(axis=0) + self._reach
-        scale = float(np.min((np.array([self.width(), self.height()]) - 2 * MARGIN) / (high - low)))
-        middle = (low + high) / 2.0
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        to_map = QTransform.fromTranslate(self.width() / 2.0, self.height() / 2.0).scale(scale, -scale)
-        to_map.translate(-middle[0], -middle[1])
-        accent, ink = QColor(ACCENT), self.palette().color(self.foregroundRole())
-        swath = QColor(accent)
-        swath.setAlpha(SHOWN)
-        for line in self._lines:
-            ends = [to_map.map(QPointF(*end)) for end in (line.start, line.end)]
-            painter.setPen(QPen(swath, 2.0 * self._reach * scale, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
-            painter.drawLine(*ends)
-            painter.setPen(QPen(accent, 1.5))
-            painter.drawLine(*ends)
-            painter.setBrush(accent)
-            painter.drawEllipse(ends[0], 3.0, 3.0)  # where the line begins
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(ink, 1.0, Qt.PenStyle.DashLine))
-        painter.drawPolygon(to_map.map(QPolygonF([QPointF(*corner) for corner in self._corners])))
-        painter.setPen(QPen(ink, 5.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-        painter.drawPoints([to_map.map(QPointF(*place)) for place in self._targets])
-
-
 class SurveyQuestion(FolderQuestion):
     """Asks for the area and the lines of a survey of a scene, and shows them on a map."""
 
@@ -137,8 +98,10 @@ class SurveyQuestion(FolderQuestion):
         self._start = float(tow.x[0]), float(tow.y[0])
         self._reach = math.sqrt(max(scene.sonar.range**2 - scene.altitude**2, 0.0))
         length = max(math.dist(*zip(tow.x, tow.y, strict=True)), 2.0 * self._reach)
-        self._targets = np.array([target.position[:2] for target in scene.targets]).reshape(-1, 2)
-        self._map, self._sum = LinesMap(), make_label("name")
+        self._map = make(QGraphicsView, QGraphicsScene(self), interactive=False, focusPolicy=Qt.FocusPolicy.NoFocus)
+        self._map.setRenderHint(QPainter.RenderHint.Antialiasing)
+        self._map.setMinimumSize(MAP)
+        self._sum = make_label("name")
         self.length, self.width_, self.spacing = (
             _spin(value, 0.1, WIDEST, " m") for value in (length, 4.0 * self._reach, 1.5 * self._reach)
         )
@@ -176,10 +139,29 @@ class SurveyQuestion(FolderQuestion):
         """Show the lines and what they cost."""
         area = self._area
         lines = lay_lawnmower(area)
-        self._map.show_lines(area, lines, self._reach, self._targets)
+        self._draw(area, lines)
         towed = sum(line.length for line in lines)
         time = format_time_left(towed / self._scene.track.speed)
         self._sum.setText(f"{len(lines)} lines, {towed:.4g} m of towing in {time}; dots are targets, north is up.")
+
+    def _draw(self, area: Area, lines: list[SurveyLine]) -> None:
+        """Draw the lines with their swaths and where they begin, the area, and the targets; north is up."""
+        chart, accent, swath, ink = self._map.scene(), QColor(ACCENT), QColor(ACCENT), self.palette().text().color()
+        swath.setAlpha(SHOWN)
+        chart.clear()
+        for line in lines:
+            along = QLineF(*line.start, *line.end)
+            chart.addLine(along, QPen(swath, 2.0 * self._reach, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
+            chart.addLine(along, QPen(accent, 0.0))
+        chart.addPolygon([QPointF(*corner) for corner in area.corners], QPen(ink, 0.0, Qt.PenStyle.DashLine))
+        box = chart.itemsBoundingRect()
+        scale = min(MAP.width() / box.width(), MAP.height() / box.height())
+        size = DOT / scale
+        dots = [(line.start, accent) for line in lines] + [(target.position[:2], ink) for target in self._scene.targets]
+        for (x, y), colour in dots:
+            chart.addEllipse(x - size / 2.0, y - size / 2.0, size, size, QPen(colour, 0.0), colour)
+        chart.setSceneRect(box)
+        self._map.setTransform(QTransform.fromScale(scale, -scale))
 
 
 class DatasetQuestion(FolderQuestion):
