@@ -24,6 +24,7 @@ from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folde
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import Workers, connected
 
+SHELVED = "[0-9]*/*.json"  # within the folder of flags; what is being written beside them may vanish
 FLAGS = "jobs"  # folder of the flags below that of a survey or a data set
 SHELF = 1000  # jobs whose flags share a folder
 DIGITS = 7  # of a job's number
@@ -97,7 +98,7 @@ def flag_of(folder: Path, name: str) -> Path:
 
 def done_jobs(folder: Path) -> set[str]:
     """Return the names of all jobs that are done."""
-    return {path.stem for path in (folder / FLAGS).glob("*/*.json") if not path.name.startswith(".")}
+    return {path.stem for path in (folder / FLAGS).glob(SHELVED) if not path.name.startswith(".")}
 
 
 def read_flag(folder: Path, name: str) -> dict[str, Any]:
