@@ -101,6 +101,8 @@ class SurveyQuestion(FolderQuestion):
         self._map = make(QGraphicsView, QGraphicsScene(self), interactive=False, focusPolicy=Qt.FocusPolicy.NoFocus)
         self._map.setRenderHint(QPainter.RenderHint.Antialiasing)
         self._map.setMinimumSize(MAP)
+        self._map.setAccessibleName("Map of the lines")
+        self._map.viewport().setAccessibleName("Map of the lines")
         self._sum = make_label("name")
         self.length, self.width_, self.spacing = (
             _spin(value, 0.1, WIDEST, " m") for value in (length, 4.0 * self._reach, 1.5 * self._reach)
