@@ -58,7 +58,7 @@ class SeabedController:
         self.view: SeabedView | None = None  # None until it is loaded
         self.by_depth = False  # whether the bed is coloured by its depth
         self.shadows = False  # whether acoustic shadows of targets are shown
-        self._shaded: PackedScene | None = None  # the scene whose shadows are shown
+        self._shaded: PackedScene | None = None  # shadows on screen belong to this scene
         self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None

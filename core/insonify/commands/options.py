@@ -94,8 +94,8 @@ def add_specification(parser: argparse.ArgumentParser, folder: str, what: str) -
         "--scheduler",
         default="local",
         metavar="WHERE",
-        help="where jobs run: local:N for N workers on this machine, or tcp://HOST:PORT of a dask scheduler whose "
-        "workers share the folder (default: local, with one worker for each core that the process may use)",
+        help="where jobs run: local:N for N workers on this machine, or tcp://HOST:PORT of a dask scheduler; its "
+        "workers must share the folder (default: local, with one worker for each core that the process may use)",
     )
 
 
