@@ -8,10 +8,7 @@ import numpy as np
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QComboBox,
-    QDialog,
-    QDialogButtonBox,
     QDoubleSpinBox,
-    QFormLayout,
     QListWidget,
     QSpinBox,
     QWidget,
@@ -22,6 +19,7 @@ from insonify.scene import Scene, bundled_meshes, bundled_scenes, edit, load_sce
 from insonify.scene.sonar.presets import read_preset
 from insonify.tow.line import tow_line_at
 from insonify_viewer.widgets.gallery import add_choice, choices_list
+from insonify_viewer.widgets.question import Question
 
 # Beds by the bundled scenes that have them.
 BEDS = {
@@ -53,12 +51,11 @@ def compose_scene(bed: str, sonar: str, depth: float, altitude: float, pings: in
     return edit(scene, {"targets": targets})
 
 
-class NewScene(QDialog):
+class NewScene(Question):
     """Asks for the parts of a new scene."""
 
     def __init__(self, window: QWidget) -> None:
-        super().__init__(window)
-        self.setWindowTitle("New scene")
+        super().__init__("New scene", window)
         self.beds, self.targets = choices_list("Seabed"), choices_list("Targets")
         scenes, meshes = bundled_scenes(), bundled_meshes()
         _fill(self.beds, ((name, scenes[scene], scene) for name, scene in BEDS.items()))
@@ -72,26 +69,13 @@ class NewScene(QDialog):
         self.water_depth, self.altitude = (QDoubleSpinBox(suffix=" m", minimum=0.5, maximum=6000.0) for _ in range(2))
         self.water_depth.setValue(30.0)
         self.pings = QSpinBox(minimum=1, maximum=1_000_000, value=512)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
-        form = QFormLayout(self)
-        for name, field, tip in (
-            ("Seabed", self.beds, "The bed of a bundled scene"),
-            ("Sonar", self.sonar, "Frequency, beams, pulse and range of a class of sonars"),
-            ("Water depth", self.water_depth, "Depth of the water over the middle level of the bed"),
-            ("Altitude", self.altitude, "Height of the towfish over the bed; a tenth of the range is usual"),
-            ("Pings", self.pings, "Length of the track, in pings"),
-            (
-                "Targets",
-                self.targets,
-                "What lies beside the track, left and right in turns; a click picks or drops it",
-            ),
-        ):
-            field.setAccessibleName(name)
-            field.setToolTip(tip)
-            form.addRow(name, field)
-        form.addRow(self.buttons)
+        self.add("Seabed", self.beds, "The bed of a bundled scene")
+        self.add("Sonar", self.sonar, "Frequency, beams, pulse and range of a class of sonars")
+        self.add("Water depth", self.water_depth, "Depth of the water over the middle level of the bed")
+        self.add("Altitude", self.altitude, "Height of the towfish over the bed; a tenth of the range is usual")
+        self.add("Pings", self.pings, "Length of the track, in pings")
+        self.add("Targets", self.targets, "Targets left and right of the track in turns; a click picks or drops one")
+        self.end()
         self.sonar.currentIndexChanged.connect(self._fly)
         self._fly()
         self.resize(QSize(760, 640).boundedTo(window.window().size()))

@@ -76,7 +76,8 @@ class JobsPanel(Panel):
         scene = self._workbench.session.scene
         question = DatasetQuestion(sorted(bundled_specifications("datasets")), sections_of(scene), self.widget)
         if question.exec():
-            name = question.specification_name or self._jobs.write_specification(scene, _draw(scene, question.ranges))
+            name = question.specification_name
+            name = name or self._jobs.write_specification(scene, _specify(scene, question.ranges))
             arguments = ["dataset", name, "-o", str(question.folder), "--scenes", str(question.scenes.value())]
             self._jobs.begin(f"data set {question.folder.name}", arguments, question.folder)
 
@@ -98,7 +99,7 @@ class JobsPanel(Panel):
         self.widget.show_jobs(self._jobs.jobs)
 
 
-def _draw(scene: Scene, ranges: dict[str, Any]) -> dict[str, Any]:
+def _specify(scene: Scene, ranges: dict[str, Any]) -> dict[str, Any]:
     """Specify a data set of a scene: its targets are put elsewhere in each, in classes by their kinds or meshes."""
     groups: dict[str, list[dict[str, Any]]] = {}
     for target in plain(scene).get("targets", []):

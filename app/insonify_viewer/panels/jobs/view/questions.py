@@ -1,7 +1,7 @@
 """Questions before surveys and data sets are made."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +11,12 @@ from PySide6.QtGui import QColor, QPainter, QPen, QTransform
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QComboBox,
-    QDialog,
-    QDialogButtonBox,
     QDoubleSpinBox,
     QFileDialog,
-    QFormLayout,
     QGraphicsScene,
     QGraphicsView,
-    QHBoxLayout,
     QHeaderView,
     QLineEdit,
-    QPushButton,
     QSpinBox,
     QTableWidget,
     QTableWidgetItem,
@@ -38,7 +33,7 @@ from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.quantities import format_quantity, format_time_left
 from insonify_viewer.state.sections import FieldSection
 from insonify_viewer.widgets.buttons import make, make_label
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.question import Question
 from insonify_viewer.widgets.theme import ACCENT
 
 MOST_SCENES, USUAL_SCENES = 1_000_000, 20
@@ -48,40 +43,22 @@ WIDEST = 100_000.0  # m, of an area
 PRESENT = "this scene"
 
 
-class FolderQuestion(QDialog):
+class FolderQuestion(Question):
     """Asks for what makes a folder."""
 
     def __init__(self, title: str, name: str, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setWindowTitle(title)
-        self._form = QFormLayout(self)
+        super().__init__(title, parent)
         self._folder = make(QLineEdit, str(Path.home() / name), objectName="line")
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
 
     @property
     def folder(self) -> Path:
         """The folder to make, or to continue."""
         return Path(self._folder.text())
 
-    def add(self, name: str, field: QWidget, tip: str, choose: Callable[[], None] | None = None) -> None:
-        """Add a row, with a button where a file can be chosen."""
-        field.setAccessibleName(name)
-        field.setToolTip(tip)
-        if choose is not None:
-            line = QWidget()
-            button = make(QPushButton, "Choose…", toolTip=tip)
-            button.clicked.connect(choose)
-            fill(QHBoxLayout(line), field, button, growing=field, margins=(0, 0, 0, 0))
-        self._form.addRow(name, field if choose is None else line)
-
-    def end(self, what: str) -> None:
+    def end(self) -> None:
         """Add the row of the folder, and the buttons."""
-        self.add(
-            "Folder", self._folder, f"A new folder, or that of a stopped {what}, which is then continued", self._ask
-        )
-        self._form.addRow(self.buttons)
+        self.add("Folder", self._folder, "A new folder, or one that was begun and is then continued", self._ask)
+        super().end()
 
     def _ask(self) -> None:
         if folder := QFileDialog.getExistingDirectory(self, "Choose the folder", self._folder.text()):
@@ -110,14 +87,14 @@ class SurveyQuestion(FolderQuestion):
         self.heading = _spin(math.degrees(float(tow.heading[0])), -360.0, 360.0, "°")
         self.overlap = QComboBox()
         self.overlap.addItems(OVERLAPS)
-        self._form.addRow(self._map)
-        self._form.addRow(self._sum)
+        self.form.addRow(self._map)
+        self.form.addRow(self._sum)
         self.add("Length", self.length, "Length of the area along the lines, from the first ping of the scene on")
         self.add("Width", self.width_, "Width of the area, half of it to each side of the first ping")
         self.add("Line spacing", self.spacing, f"Distance between lines; the sonar reaches {self._reach:.3g} m")
         self.add("Heading", self.heading, "Direction of the first line, counter-clockwise from +x (east)")
         self.add("Overlap", self.overlap, "What counts in the mosaic where records overlap")
-        self.end("survey")
+        self.end()
         for spin in (self.length, self.width_, self.spacing, self.heading):
             spin.valueChanged.connect(self._show)
         self._show()
@@ -196,13 +173,11 @@ class DatasetQuestion(FolderQuestion):
                 if column == 0:
                     item.setFlags(Qt.ItemFlag.ItemIsEnabled)
                 self.drawn.setItem(row, column, item)
-        tip = (
-            f"{PRESENT}, whose targets are put elsewhere each time; a bundled specification; or the path of a TOML file"
-        )
+        tip = f"{PRESENT} with its targets at other places, a bundled specification, or the path of a TOML file"
         self.add("Specification", self.specification, tip, self._choose_file)
-        self.add("Drawn", self.drawn, "Fields whose two values differ are drawn anew between them for every scene")
+        self.add("Drawn", self.drawn, "Where the two values differ, every scene draws one between them")
         self.add("Scenes", self.scenes, f"Number of random scenes, 1 to {MOST_SCENES}")
-        self.end("data set")
+        self.end()
         self.specification.currentTextChanged.connect(lambda text: self.drawn.setEnabled(text == PRESENT))
 
     @property
