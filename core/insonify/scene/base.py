@@ -9,6 +9,7 @@ A declaration is a frozen, validated part of a scene. A field may hold one decla
 
 from collections.abc import Iterator
 from functools import cache
+from inspect import get_annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
@@ -80,6 +81,8 @@ class Family:
 class Declaration(BaseModel):
     """A frozen part of a scene; unknown keys, NaN and values out of bounds are rejected.
 
+    A kind of a family has its name and rank in the head of its class: ``class Tone(PulseKind, kind="tone", rank=20)``.
+
     Attributes
     ----------
     family : Family or None
@@ -95,6 +98,15 @@ class Declaration(BaseModel):
     family: ClassVar[Family | None] = None
     rank: ClassVar[int] = 100
     table: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls, *, kind: str = "", rank: int | None = None, **options: Any) -> None:
+        """Make the name of a kind its field ``kind``, the first of its fields."""
+        super().__init_subclass__(**options)
+        if kind:
+            cls.__annotations__ = {"kind": Literal[kind], **get_annotations(cls)}
+            cls.kind = kind  # type: ignore[attr-defined]
+        if rank is not None:
+            cls.rank = rank
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
@@ -131,7 +143,7 @@ class Kind(Declaration):
     """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
 
     if TYPE_CHECKING:
-        kind: str
+        kind: str = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -153,10 +165,8 @@ def describe_excess(
             yield f"{name} {value:g}{unit} is outside the range of {formula}, {least:g} to {most:g}{unit}"
 
 
-class Nothing(Kind):
+class Nothing(Kind, kind="none"):
     """Without this effect."""
-
-    kind: Literal["none"] = "none"
 
 
 class KindOf:
