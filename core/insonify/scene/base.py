@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from insonify.errors import plain_text
 from insonify.files import file_version
-from insonify.plugins import announced, modules_in
+from insonify.plugins import extensions
 
 Model = TypeVar("Model", bound="Declaration")
 # m along x or y; beyond 1e8 m, float64 cannot resolve the relief.
@@ -40,7 +40,7 @@ Words = Annotated[str, AfterValidator(plain_text)]
 class Family:
     """All kinds of one choice: those of a package, and those of the entry points ``insonify.<name>``."""
 
-    def __init__(self, name: str, package: str | None = None) -> None:
+    def __init__(self, name: str, package: str = "") -> None:
         self.name, self.package = name, package
         self._models: dict[str, type[Declaration]] = {}
         self._discovered = False
@@ -71,10 +71,7 @@ class Family:
             return
         # A kind that contains others of its family needs them while its own module is being imported: the other
         # modules are then imported first, and the outer loop has nothing left to do.
-        if self.package is not None:
-            modules_in(self.package)
-        for entry in announced(f"insonify.{self.name}"):
-            entry.load()
+        extensions(self.package, f"insonify.{self.name}")
         self._discovered = True
 
 
