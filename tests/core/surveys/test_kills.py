@@ -18,7 +18,7 @@ from small_sets import contents, run_here, write_set
 SCENES = "12"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
     assert run_here(*words(folder)) == 0
