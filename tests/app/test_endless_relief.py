@@ -14,6 +14,8 @@ from insonify.terrain.endless_ground import EndlessExcerpt
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.simulator import pack_beneath, thin_new_ground
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.fixture
 def summing(monkeypatch):

@@ -13,6 +13,8 @@ from insonify_viewer.application import has_opengl
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.fixture
 def viewer(open_viewer, small, qtbot):

@@ -12,6 +12,8 @@ from insonify.simulation import prepare
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, handles_of, target_at
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "heading": 30.0}
 
 
