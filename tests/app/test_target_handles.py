@@ -12,8 +12,6 @@ from insonify.simulation import prepare
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, handles_of, target_at
 
-pytestmark = pytest.mark.usefixtures("drawn_seabed")
-
 BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "heading": 30.0}
 
 
@@ -227,6 +225,9 @@ def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
     assert viewer.targets.handles.chosen == 0
     assert viewer.inspection.mark is not None
     assert viewer.session.history.undoable == ()
+    viewer.open(edit(one_box, {"targets.0.locked": True}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.targets.handles._handles == (), "locked targets stay"
 
 
 def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
@@ -250,11 +251,6 @@ def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qt
             viewer.seabed.pulled.emit((x, -20.0, 0.0))
         viewer.seabed.released.emit()
     assert viewer.session.scene == before
-
-
-def test_locked_targets_stay(open_viewer, one_box, qtbot):
-    viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
-    assert viewer.targets.handles._handles == ()
 
 
 def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):
