@@ -136,8 +136,8 @@ def _large_text(qapp):
 
 
 @pytest.mark.usefixtures("_large_text")
-def test_large_text_has_room(open_viewer, small, qapp):
-    window = open_viewer(small).window
+def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
+    window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
     panel = window._panels["parameters"].widget
@@ -151,10 +151,7 @@ def test_large_text_has_room(open_viewer, small, qapp):
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()
-
-
-@pytest.mark.usefixtures("_large_text")
-def test_large_text_fits_a_window(viewer, qtbot):
+    # It fits a window.
     for panel in (None, "lessons"):
         if panel is not None:
             viewer.window.open_panel(panel)
@@ -230,7 +227,15 @@ def is_silent(widget: QWidget) -> bool:
     return isinstance(widget, QLabel) and not widget.text()
 
 
-def test_tab_reaches_every_control_of_a_window_and_a_dialog(viewer, qtbot):
+def test_tab_reaches_every_control_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
+    activate(viewer.window, qtbot)
+    for name in ("water", "lessons", "pixel", "comparison", "record"):
+        viewer.window.open_panel(name)
+        panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
+        qtbot.waitUntil(panel.isVisible)
+        wanted, reached = controls_in_reach(panel), walk(viewer.window, qtbot)
+        assert wanted or name != "record"
+        assert [place_of(child) for child in wanted - reached] == []
     for name in ("chart", "jobs"):
         viewer.window.open_panel(name)
         window = viewer.panels[name].widget
@@ -248,17 +253,6 @@ def test_tab_reaches_every_control_of_a_window_and_a_dialog(viewer, qtbot):
             controls = set(controls_of(dialog)) - set(dialog.buttons.buttons())
             assert len(controls) >= 5
             assert [place_of(control) for control in controls if not control.toolTip()] == []
-
-
-def test_tab_reaches_every_control_of_an_opened_panel(viewer, qtbot):
-    activate(viewer.window, qtbot)
-    for name in ("water", "lessons", "pixel", "comparison", "record"):
-        viewer.window.open_panel(name)
-        panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
-        qtbot.waitUntil(panel.isVisible)
-        wanted, reached = controls_in_reach(panel), walk(viewer.window, qtbot)
-        assert wanted or name != "record"
-        assert [place_of(child) for child in wanted - reached] == []
 
 
 def test_links_of_a_description_are_followed_by_the_keyboard(open_viewer, qtbot):

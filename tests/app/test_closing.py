@@ -93,6 +93,7 @@ def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy)
     going.set()
 
 
+@pytest.mark.usefixtures("drawn_seabed")
 def test_beds_share_one_texture(viewer, qtbot):
     view = viewer.seabed.view
     texture, before = view._bed_actor.texture, view.grab().toImage()

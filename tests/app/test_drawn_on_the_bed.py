@@ -23,6 +23,8 @@ from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
 from insonify_viewer.seabed.pv_meshes import BedPatch
 from insonify_viewer.widgets.painting import make_polyline
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
 @pytest.mark.parametrize("side", [0, 1])

@@ -167,21 +167,26 @@ def viewer(open_viewer, small):
     return open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
+def test_pointing_clicking_and_scrubbing_stay_right(viewer, qtbot):
+    pinned, marked, usual = [], [], viewer.session.display._asdict()
+    viewer.inspection.pinned.connect(pinned.append)
+    viewer.window.waterfall.hovered.connect(marked.append)
+    for options in (
         {},
         {"ground_range": True},
         {"water_column": False, "newest_on_top": False},
         {"side": "port", "scale": "true"},
         {"side": "starboard", "ground_range": True, "newest_on_top": False, "scale": "fill"},
-    ],
-)
-def test_pointing_clicking_and_scrubbing_stay_right(viewer, options, qtbot):
-    view, pinned, marked = viewer.window.waterfall, [], []
-    viewer.session.show(**options)
-    viewer.inspection.pinned.connect(pinned.append)
-    view.hovered.connect(marked.append)
+    ):
+        viewer.go_to(255)
+        qtbot.waitUntil(lambda: viewer.complete)
+        viewer.session.show(**(usual | options))
+        check_places(viewer, options, pinned, marked, qtbot)
+
+
+def check_places(viewer, options, pinned, marked, qtbot):
+    """Point at bins, click them, and drag the handle, of a record that is displayed by options."""
+    view = viewer.window.waterfall
     side = int(options.get("side") != "port")
     for mark in (Mark(240, side, 350), Mark(230, side, 120)):
 
@@ -212,7 +217,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer, options, qtbot):
     assert (newest.y() < older.y()) == options.get("newest_on_top", True)
 
 
-def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer):
+def test_the_wheel_zooms_and_a_drag_moves_the_record_and_looks_back(viewer):
     view = viewer.window.waterfall
     place = view.place_of(Mark(200, 1, 300))
     before = view.mark_at(place)
@@ -227,10 +232,7 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer):
     assert abs(moved.ping - found.ping) <= 2
     turn_wheel(view, place, -9, Qt.KeyboardModifier.ControlModifier)
     assert view.projection.zoom.whole
-
-
-def test_a_drag_beyond_the_record_looks_back(viewer):
-    view = viewer.window.waterfall
+    # A drag beyond the record looks back.
     top, middle = view.top, view.plot_area.center()
     pings = 100 * view.record.pings / view.plot_area.height()
     drag(view, middle, middle - QPoint(0, 100))

@@ -46,7 +46,7 @@ def press(viewer, key: str):
     action.trigger()
 
 
-def test_options_follow_ticks_and_keys(viewer, panel, qtbot):
+def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qtbot):
     for name, _, key, _ in TICKS:
         viewer.window.open_panel("record")
         before = getattr(viewer.session.display, name)
@@ -56,9 +56,6 @@ def test_options_follow_ticks_and_keys(viewer, panel, qtbot):
         press(viewer, key)
         qtbot.waitUntil(lambda name=name, before=before: getattr(viewer.session.display, name) is before)
         assert panel.view.ticks[name].isChecked() is before
-
-
-def test_sides_scale_and_palette(viewer, panel, qtbot):
     for key, side in (("2", "port"), ("3", "starboard"), ("1", "both")):
         press(viewer, key)
         qtbot.waitUntil(lambda side=side: viewer.session.display.side == side)
@@ -101,15 +98,13 @@ def test_display_options_are_undone_by_name(viewer, panel):
     assert not window.isWindowModified(), "the display is no part of the scene"
 
 
-def test_contrast_found_from_the_record_is_a_step_of_its_own(viewer):
+def test_contrast_found_from_the_record_is_a_step_of_its_own_and_gains_are_typed(viewer, panel):
     viewer.window.gain.setValue(60)
     viewer.find_levels()
     assert viewer.session.history.undoable == ("contrast of the record", "gain")
     viewer.window.undo.trigger()
     assert viewer.window.gain.value() == 60
-
-
-def test_gains_of_each_side_are_typed(viewer, panel):
+    # Gains of each side are typed.
     row = panel.view.gains[2]
     row.field.setText("6")
     row.field.setModified(True)
@@ -123,7 +118,7 @@ def test_gains_of_each_side_are_typed(viewer, panel):
     assert panel.view.gains[0].field.text() == "4.5 dB"
 
 
-def test_the_ends_of_the_colour_bar_are_dragged(viewer, panel):
+def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel):
     histogram, view = panel.view.histogram, viewer.window.waterfall
     assert histogram._counts.max() == 1.0
     before = picture_of(view).copy()
@@ -144,10 +139,7 @@ def test_the_ends_of_the_colour_bar_are_dragged(viewer, panel):
     viewer.find_levels()
     assert viewer.session.display.levels is None
     assert (picture_of(view) == before).all()
-
-
-def test_a_drag_measures_in_every_view(viewer, panel):
-    view = viewer.window.waterfall
+    # A drag measures in every view.
     first, last = Mark(200, 1, 200), Mark(180, 1, 300)
     found = []
     view.measured.connect(lambda a, b: found.append((a, b)))

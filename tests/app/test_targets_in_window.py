@@ -16,6 +16,8 @@ from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.widgets.gallery import Gallery
 from insonify_viewer.window.target_placement import new_target, target_menu
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 def pick_file(monkeypatch, path: str):
     monkeypatch.setattr(Gallery, "exec", lambda gallery: gallery.wanted.emit(""))

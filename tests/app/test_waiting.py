@@ -22,6 +22,8 @@ from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import DELAY, FEW, Waiting, WaitingWatch
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 def look(watch: WaitingWatch, now: float, missing: int, **given) -> Waiting | None:
     state = {"number": 1, "arrived": 0, "shown": 512, "running": False, "activity": Waiting()}
