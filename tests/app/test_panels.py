@@ -102,7 +102,7 @@ def test_names_are_unique_and_the_order_is_stable(announce):
     assert names == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
-def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, announce):
+def test_an_announced_panel_is_a_tab_is_told_and_may_edit_the_scene(open_viewer, small, qtbot, announce):
     announce(DummyPanel)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
@@ -121,15 +121,7 @@ def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, anno
     assert dummy.told[-1] == ("scene", 8.0, True)
     plans = dummy.counted("plan")
     qtbot.waitUntil(lambda: dummy.counted("plan") == plans + 1)
-    viewer.session.settle({"seed": 666})
-    qtbot.waitUntil(lambda: ("refused",) in dummy.told)
-    viewer.window.close()
-    assert dummy.told[-1] == ("closing",)
-
-
-def test_a_panel_may_edit_the_scene_and_is_told_of_the_point_under_the_mouse(open_viewer, small, announce):
-    announce(DummyPanel)
-    viewer = open_viewer(small)
+    # It may edit the scene, and is told of the point under the mouse.
     viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
     assert viewer.session.scene.altitude == 7.0
     assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
@@ -141,6 +133,10 @@ def test_a_panel_may_edit_the_scene_and_is_told_of_the_point_under_the_mouse(ope
     assert point.ground_range is None
     waterfall.hovered.emit(None)
     assert viewer.panels["dummy"].told[-1] == ("point", None)
+    viewer.session.settle({"seed": 666})
+    qtbot.waitUntil(lambda: ("refused",) in dummy.told)
+    viewer.window.close()
+    assert dummy.told[-1] == ("closing",)
 
 
 def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer, small, announce):
