@@ -197,7 +197,9 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert viewer.recordings.recording is recording
 
 
-def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monkeypatch):
+def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_narrow_window(
+    viewer, folder, qtbot, monkeypatch
+):
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -216,6 +218,18 @@ def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monke
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     assert viewer.recordings.recording.path.suffix == ".nc"
     assert viewer.window.record_a.waiting is None
+    # In a narrow window the records take the room.
+    window = viewer.window
+    window.resize(1600, 900)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    window.resize(880, 600)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
+    _, recorded, simulated = window._splitter.sizes()
+    assert abs(simulated - recorded) <= 2
+    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
+    window.resize(1600, 900)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, qtbot):
@@ -329,20 +343,6 @@ def test_learning_that_is_stopped_or_has_too_little_bed_leaves_nothing(viewer, f
     assert "pings" in viewer.window.status.sentence.text()
     assert viewer.session.scene is scene
     assert not (tmp_path / "learned.toml").exists()
-
-
-def test_in_a_narrow_window_the_records_take_the_room(viewer, folder, qtbot):
-    window = viewer.window
-    window.resize(1600, 900)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
-    window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
-    assert abs(simulated - recorded) <= 2
-    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
-    window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):

@@ -85,7 +85,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(viewer, qtbot):
+def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_the_targets_leave(viewer, small, qtbot):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
@@ -100,9 +100,7 @@ def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(v
     qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129)
     viewer.window.pause.trigger()
     assert not viewer.tow.running
-
-
-def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
+    # The tow pauses once before the targets leave.
     viewer.tow.speed = 16.0
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running)
@@ -244,7 +242,7 @@ def test_one_ping_one_bin(open_viewer, small, qtbot):
     assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
-def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
+def test_nothing_is_black_in_the_water_above_and_the_picture_is_saved(open_viewer, small, tmp_path, qtbot):
     viewer = open_viewer(small, solid=True)
 
     def is_water():
@@ -254,10 +252,7 @@ def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
 
     qtbot.wait(200)
     qtbot.waitUntil(is_water)
-
-
-def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
-    viewer = open_viewer(small)
+    # A picture is saved whole or not at all.
     save_picture(viewer.window, tmp_path / "w.png")
     assert (tmp_path / "w.png").stat().st_size > 10_000
     with pytest.raises(OSError, match="No such file"):
