@@ -179,24 +179,7 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_target_is_dragged_in_the_record(open_viewer, one_box, qtbot):
-    viewer = open_viewer(one_box)
-    record, session = viewer.window.waterfall, viewer.session
-    start = record.handles.place(number_of(viewer, "move"))
-    near, far = start, start + QPoint(30, -25)
-    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
-    drag(record, near, far)
-    moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
-    np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
-    assert session.history.undoable == ("box 1 moved",)
-    qtbot.waitUntil(lambda: viewer.complete)
-    place = record.handles.place(number_of(viewer, "move"))
-    assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
-    session.undo()
-    assert session.scene == one_box
-
-
-def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
+def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dragged(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box)
     record, handles = viewer.window.waterfall, viewer.targets.handles
     assert [handle.action for handle in handles._handles] == ["move"]
@@ -216,6 +199,22 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
     assert viewer.session.scene.targets[0].size[0] > 5.5
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
+    # A target is dragged.
+    viewer.open(one_box)
+    qtbot.waitUntil(lambda: viewer.complete)
+    session, before = viewer.session, viewer.session.history.undoable
+    start = record.handles.place(number_of(viewer, "move"))
+    near, far = start, start + QPoint(30, -25)
+    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
+    drag(record, near, far)
+    moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
+    np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
+    assert session.history.undoable == ("box 1 moved", *before)
+    qtbot.waitUntil(lambda: viewer.complete)
+    place = record.handles.place(number_of(viewer, "move"))
+    assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
+    session.undo()
+    assert session.scene == one_box
 
 
 def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
