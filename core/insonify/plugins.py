@@ -21,4 +21,10 @@ def announced(group: str) -> Iterable[EntryPoint]:
     return found
 
 
+@cache
+def extensions(package: str, group: str) -> tuple[Any, ...]:
+    """Return the modules of a package, if it is named, and what a group's entry points hold, all imported once."""
+    return (*(modules_in(package) if package else ()), *(entry.load() for entry in announced(group)))
+
+
 _entry_points: Any = cache(entry_points)  # looked up once: it takes 2 ms, and every family of kinds needs them

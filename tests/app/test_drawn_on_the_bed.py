@@ -5,13 +5,18 @@ import math
 import numpy as np
 import pytest
 import pyvista as pv
+from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QFileDialog
 from stand_in import ground_of
 
 from insonify.display.display_options import DisplayOptions
+from insonify.io.bathymetry import Grid
+from insonify.io.georeference import Georeference, project
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.surveys.mosaic import Mosaic, colour_levels, write_mosaic
 from insonify.tow.poses import make_poses
-from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.record.drape import MosaicSheet, RecordStrip, drape_mosaic, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.seabed.bed_shading import LAMP, cast_shadows
 from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
@@ -74,6 +79,55 @@ def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_take
     qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
     assert bare, "the bed was drawn at its new place"
     assert not any(bare), "never without the record"
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_mosaic_lies_on_the_bed_by_its_map(elsewhere):
+    """A mark of the mosaic is found at its place, whose zone of the map is the scene's or the next one."""
+    scene_map, mosaic_map = "EPSG:32631", "EPSG:32632" if elsewhere else "EPSG:32631"
+    origin, centre, half = (735_000.0, 5_700_000.0), (40.0, -25.0), 90.0
+    mark = project(scene_map, mosaic_map, np.array([origin[0] + 70.0]), np.array([origin[1] + 10.0]))
+    corner = mark[0][0] - 200.25, mark[1][0] - 100.25
+    levels = np.full((800, 800), np.nan)
+    levels[190:212, 390:412] = -20.0
+    levels[201, 401] = 0.0  # its centre is the mark
+    grid = Grid(levels, spacing=(0.5, 0.5), corner=(corner[0] - 0.25, corner[1] - 0.25), crs=mosaic_map)
+    sheet = MosaicSheet("m.tif", grid, colour_levels(levels), Georeference(scene_map, origin))
+    bed = np.full((720, 720, 3), 99, np.uint8)
+    draped = drape_mosaic(bed, centre, half, sheet)
+    row, column = np.nonzero((draped == draped.max(axis=(0, 1))).all(axis=2))
+    x, y = centre[0] - half + (column + 0.5) * 0.25, centre[1] + half - (row + 0.5) * 0.25
+    assert (x.mean(), y.mean()) == pytest.approx((70.0, 10.0), abs=0.2)
+    covered = (draped != bed).any(axis=2)
+    assert covered.sum() * 0.25**2 == pytest.approx(22 * 22 * 0.5**2, rel=0.03)
+
+
+def test_a_mosaic_of_the_scene_is_laid_over_its_bed_until_it_is_taken_off(viewer, qtbot, tmp_path, monkeypatch):
+    seabed, action = viewer.seabed, viewer.seabed_menu.mosaic
+    qtbot.waitUntil(lambda: seabed.complete)
+    place = seabed._patch.centre
+    path = tmp_path / "mosaic.tif"
+    level = np.tile(np.linspace(-9.0, 9.0, 20, dtype=np.float32), (20, 1))
+    write_mosaic(path, Mosaic(level, (place[0] - 10.0, place[1] + 10.0), 1.0, np.ones((20, 20), np.uint16)), "")
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, **__: (str(path), ""))
+    shown = []
+    monkeypatch.setattr(seabed.view, "show_texture", lambda image: shown.append(image))
+    action.trigger()
+    qtbot.waitUntil(lambda: len(shown) == 1)
+    side = np.sqrt((shown[0] != seabed._patch.image).any(axis=2).mean()) * 2.0 * seabed._patch.half
+    assert side == pytest.approx(20.0, abs=0.5)
+    viewer.seabed_menu.open(None, QPoint(0, 0)).close()
+    assert action.isChecked()
+    action.trigger()
+    qtbot.waitUntil(lambda: len(shown) == 2)
+    np.testing.assert_array_equal(shown[1], seabed._patch.image)
+    # A map elsewhere is refused in one sentence, and a mosaic is no bed.
+    write_mosaic(path, Mosaic(level, (5e5, 5e6), 1.0, np.ones((20, 20), np.uint16)), "EPSG:32631")
+    action.trigger()
+    qtbot.waitUntil(lambda: "no place on Earth; set world.crs and world.origin" in viewer.window.status.sentence.text())
+    assert not action.isChecked()
+    viewer.files.open(str(path))
+    qtbot.waitUntil(lambda: "holds levels in dB, not heights" in viewer.window.status.sentence.text())
 
 
 def far_ends(triangles: np.ndarray) -> np.ndarray:

@@ -12,10 +12,11 @@ from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPaint
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 import insonify_viewer
+from insonify.display.range_axis import SLANT, make_range_axis
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.record.projection import name_scale, plot_at_true_scale
-from insonify_viewer.record.record_overlays import draw_measured, write_towed
+from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
+from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
@@ -137,6 +138,24 @@ def test_a_measurement_stays_within_a_narrow_record(qapp):
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
     assert not drawn[:, 290:].any()
+
+
+@pytest.mark.parametrize("width", [150, 200, 280, 600])
+def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
+    axis = make_range_axis(SLANT, 500, 0.1, 10.0)
+    projection = Projection(axis, "both", True, Zoom(), 99, 100, lambda pings: np.full(pings.shape, 10.0))
+    image, taken = QImage(800, 200, QImage.Format.Format_RGB32), 60
+    image.fill(0)
+    painter = QPainter(image)
+    draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
+    name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
+    painter.end()
+    line = (np.frombuffer(image.constBits(), np.uint32).reshape(200, 800) & 0xFFFFFF)[150:168].any(axis=0)
+    assert not line[: 70 + taken].any()
+    drawn = np.flatnonzero(line)
+    assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
+    if width == 600:
+        assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
 
 
 def test_metres_towed_are_written_to_tenths():

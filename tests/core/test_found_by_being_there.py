@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import insonify.commands
-import insonify.io.formats
 from commands import refused
-from insonify import cli
+from insonify import cli, plugins
 from insonify.io.bathymetry import BATHYMETRY, Grid
 from insonify.io.formats import FileFormat, FormatRegistry
 from insonify.io.meshes import MESHES, read_mesh
@@ -21,7 +20,7 @@ from insonify.io.navigation import NAVIGATION, read_navigation
 from insonify.io.record_schema import join_blocks
 from insonify.io.records import RECORDS, read_record
 from insonify.io.sound_speed_casts import CASTS, read_cast
-from insonify.scene import Scene, SceneError, base, edit, load_scene, scene_to_toml
+from insonify.scene import Scene, SceneError, edit, load_scene, scene_to_toml
 from insonify.scene.base import Declaration, Family, models_of, parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
@@ -79,7 +78,7 @@ def test_one_new_file_adds_a_format(tmp_path, monkeypatch):
     )
     monkeypatch.syspath_prepend(tmp_path)
     entries = [EntryPoint("odd", "stranger", "insonify.shelf"), EntryPoint("same", "stranger:ODD", "insonify.shelf")]
-    monkeypatch.setattr(insonify.io.formats, "announced", lambda group: entries if group == "insonify.shelf" else [])
+    monkeypatch.setattr(plugins, "announced", lambda group: entries if group == "insonify.shelf" else [])
     registry: FormatRegistry[str] = FormatRegistry(
         "a text", "shelf", "insonify.shelf", "shelf: {path} {fault}; {remedy}"
     )
@@ -231,7 +230,7 @@ def test_kinds_of_installed_packages_are_found_by_their_entry_points(monkeypatch
         family.add(Quail)
 
     entries = {"insonify.eggs": [SimpleNamespace(load=load)]}
-    monkeypatch.setattr(base, "announced", lambda group: entries[group])
+    monkeypatch.setattr(plugins, "announced", lambda group: entries[group])
     assert list(family.models(Declaration)) == ["quail"]
 
 

@@ -1,4 +1,4 @@
-"""Record laid over a picture of the bed seen from above, each echo at the ground range of a level bed."""
+"""Records and mosaics laid over a picture of the bed seen from above."""
 
 import math
 from dataclasses import dataclass
@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 from insonify.display.picture import average_columns, place_columns
 from insonify.display.range_axis import GROUND, make_range_axis
+from insonify.errors import SceneError
+from insonify.io.bathymetry import Grid
+from insonify.io.georeference import Georeference, project
 from insonify.kernels.common.types import Poses
 from insonify_viewer.record.tone_map import ToneMap
 
@@ -25,10 +28,54 @@ class RecordStrip:
     tone_map: ToneMap  # colours of amplitudes
 
 
+@dataclass(frozen=True, eq=False)
+class MosaicSheet:
+    """A mosaic in colours, and the place of a scene on its map."""
+
+    name: str  # of its file
+    grid: Grid
+    colours: NDArray[np.uint8]  # (rows, columns, 4) red, green, blue, opacity; row 0 at the least y
+    place: Georeference | None  # of the scene
+
+    def __post_init__(self) -> None:
+        if self.grid.crs and (self.place is None or not self.place.crs):
+            raise SceneError(
+                f"{self.name}: lies on the map {self.grid.crs}, but the scene has no place on Earth; "
+                "set world.crs and world.origin"
+            )
+
+    def to_map(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Transform the scene's x and y to the map; a mosaic without a map is in these coordinates."""
+        if not self.grid.crs or self.place is None:
+            return x, y
+        x, y = x + self.place.origin[0], y + self.place.origin[1]
+        return (x, y) if self.place.crs == self.grid.crs else project(self.place.crs, self.grid.crs, x, y)
+
+
+def drape_mosaic(
+    image: NDArray[np.uint8], centre: tuple[float, float], half: float, sheet: MosaicSheet
+) -> NDArray[np.uint8]:
+    """Lay a mosaic over a square picture of the bed, which stays where the mosaic has no level."""
+    assert sheet.grid.corner is not None
+    assert sheet.grid.spacing is not None
+    # A map is straight over a window of the bed to far less than a texel: three corners place the others.
+    x, y = sheet.to_map(centre[0] + half * np.array([-1.0, 1.0, -1.0]), centre[1] + half * np.array([1.0, 1.0, -1.0]))
+    share = (np.arange(len(image)) + 0.5) / len(image)
+    easting, northing = (
+        each[0] + (each[1] - each[0]) * share + (each[2] - each[0]) * share[:, None] for each in (x, y)
+    )
+    column = np.rint((easting - sheet.grid.corner[0]) / sheet.grid.spacing[0]).astype(np.int64)
+    row = np.rint((northing - sheet.grid.corner[1]) / sheet.grid.spacing[1]).astype(np.int64)
+    rows, columns = sheet.grid.heights.shape
+    inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+    found = sheet.colours[np.where(inside, row, 0), np.where(inside, column, 0)]
+    return np.where((inside & (found[..., 3] > 0))[..., None], found[..., :3], image)
+
+
 def drape_record(
     image: NDArray[np.uint8], centre: tuple[float, float], half: float, strip: RecordStrip
 ) -> NDArray[np.uint8]:
-    """Lay a record over a square picture of the bed; what is higher or hidden lies where slant range puts it."""
+    """Lay a record over a square picture of the bed, each echo at the ground range of a level bed."""
     size, bins = len(image), strip.amplitude.shape[1] // 2
     lowest = float(strip.altitude.min(initial=math.inf))
     axis = make_range_axis(GROUND, bins, strip.bin_length, lowest)

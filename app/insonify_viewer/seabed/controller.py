@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -14,7 +15,7 @@ from psygnal import Signal
 from insonify.kernels.common.types import Mesh, Poses, Solids
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
-from insonify_viewer.record.drape import RecordStrip, drape_record
+from insonify_viewer.record.drape import MosaicSheet, RecordStrip, drape_mosaic, drape_record
 from insonify_viewer.seabed.cameras import USUAL
 from insonify_viewer.seabed.fan_sheet import FanSheet, fan_sheet
 from insonify_viewer.seabed.handle_geometry import meet_bed
@@ -68,6 +69,7 @@ class SeabedController:
         self._executor = simulator.executor
         self._subject: tuple[float, float] | None = None  # place of the bed that the camera shows
         self._strip: RecordStrip | None = None  # what is laid over the bed
+        self.mosaic: MosaicSheet | None = None  # what is laid over the bed beneath the record
         self._patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
         self._grips: Sequence[Grip] = ()
@@ -90,6 +92,8 @@ class SeabedController:
     ) -> None:
         """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones, at_once)
+        if self.mosaic is not None and self.mosaic.place != simulation.scene.georeference:  # of a scene elsewhere
+            self.lay_mosaic(None)
         if self.view is None:
             return
         # lazy: the window opens before PyVista is loaded
@@ -120,9 +124,34 @@ class SeabedController:
             self.view.draw_after(show)
 
     def drape(self, strip: RecordStrip | None) -> None:
-        """Lay a record over the bed, on a thread of its own; None shows the bed as it is."""
+        """Lay a record over the bed; None shows the bed as it is."""
         self._strip = strip
-        patch = self._patch
+        self._drape()
+
+    def lay_mosaic(self, mosaic: MosaicSheet | None) -> None:
+        """Lay a mosaic over the bed of its scene, or none."""
+        self.mosaic = mosaic
+        self._drape()
+
+    def open_mosaic(self, path: Path) -> None:
+        """Read a mosaic on the worker, and lay it over the bed of the present scene."""
+        # lazy: the window opens before Numba is loaded
+        from insonify.surveys.mosaic import colour_levels, read_levels
+
+        place = None if self._latest is None else self._latest[0].scene.georeference
+
+        def read() -> MosaicSheet:
+            grid = read_levels(path)
+            return MosaicSheet(path.name, grid, colour_levels(grid.heights), place)
+
+        def show(read: MosaicSheet | SceneError | Failure) -> None:
+            self.lay_mosaic(read) if isinstance(read, MosaicSheet) else self.failed.emit(read)
+
+        self._simulator.send(read, show)
+
+    def _drape(self) -> None:
+        """Lay mosaic and record over the bed, on a thread of its own."""
+        patch, strip, mosaic = self._patch, self._strip, self.mosaic
         if patch is None or self.view is None:
             return
         self._drape_asked += 1
@@ -133,7 +162,7 @@ class SeabedController:
             if self.view is not None and image is not None and patch is self._patch:
                 self.view.show_texture(image)
 
-        self._executor.submit("drape", lambda: _picture_of(patch, strip), show)
+        self._executor.submit("drape", lambda: _picture_of(patch, strip, mosaic), show)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed; None removes the mark."""
@@ -298,7 +327,7 @@ class SeabedController:
             targets = targets_mesh(*bodies[:3])
             patch = cast_shadows(bed_patch(*bed), targets.points[targets.triangulate().regular_faces])
             # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
-            return patch, _picture_of(patch, self._strip), targets, volumes_mesh(bodies[3], bed[0])
+            return patch, _picture_of(patch, self._strip, self.mosaic), targets, volumes_mesh(bodies[3], bed[0])
 
         def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)
@@ -324,14 +353,15 @@ class SeabedController:
         if number >= self._owed:
             self._owed = 0
             self.view.fade_bed(False)
-        if self._strip is not None:
-            self.drape(self._strip)
+        if self._strip is not None or self.mosaic is not None:
+            self._drape()
         self.view.show_targets(*made[2:])
 
 
-def _picture_of(patch: BedPatch, strip: RecordStrip | None) -> NDArray[np.uint8]:
-    """Colours of a bed, with a record laid over them unless it is None."""
-    return patch.image if strip is None else drape_record(patch.image, patch.centre, patch.half, strip)
+def _picture_of(patch: BedPatch, strip: RecordStrip | None, mosaic: MosaicSheet | None) -> NDArray[np.uint8]:
+    """Colours of a bed, with a mosaic and then a record laid over them unless they are None."""
+    image = patch.image if mosaic is None else drape_mosaic(patch.image, patch.centre, patch.half, mosaic)
+    return image if strip is None else drape_record(image, patch.centre, patch.half, strip)
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 
 from PySide6.QtCore import QObject, QPoint, Qt
 from PySide6.QtGui import QAction, QGuiApplication
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QFileDialog, QMenu
 
 from insonify_viewer.seabed.cameras import CAMERAS
 from insonify_viewer.seabed.controller import SeabedController
@@ -14,6 +15,7 @@ from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.widgets.buttons import make_action
 from insonify_viewer.window.main_window import MainWindow
 
+MOSAICS = "Mosaics (*.tif *.tiff);;All files (*)"
 Place = tuple[float, float, float]
 
 
@@ -40,19 +42,22 @@ class SeabedMenu(QObject):
         depths = make_action(window, "Depth colours", "Colour the bed by its depth, not its materials")
         tip = "Show what targets hide from the sonar, ping by ping as it passes"
         shadows = make_action(window, "Acoustic shadows", tip)
-        ticked = self._let_follow, seabed.colour_by_depth, seabed.show_shadows
-        for action, do in zip((self.follow, depths, shadows), ticked, strict=True):
+        tip = "Lay a mosaic, or other levels in a GeoTIFF, over the bed"
+        self.mosaic = make_action(window, "Mosaic on the bed…", tip)
+        ticked = self.follow, depths, shadows, self.mosaic
+        shown = self._let_follow, seabed.colour_by_depth, seabed.show_shadows, self._lay_mosaic
+        for action, do in zip(ticked, shown, strict=True):
             action.setCheckable(True)
             action.triggered.connect(do)
         tip = "Copy the 3-D view, at 300 dots per inch"
         picture = make_action(window, "Copy picture of the 3-D view", tip, do=self._copy_picture)
-        self._groups = [*self.cameras, frame], [self.follow, depths, shadows], [picture, *copies[1:]]
+        self._groups = [*self.cameras, frame], ticked, [picture, *copies[1:]]
         camera = window.menus.view.addMenu("Camera")
         camera.setToolTipsVisible(True)
         camera.addActions(self._groups[0])
         window.menus.group("View", self._groups[1])
         window.menus.edit.insertAction(copies[1], picture)
-        window.menus.view.aboutToShow.connect(self._show_follow)
+        window.menus.view.aboutToShow.connect(self._show_ticks)
         self.follow.setChecked(True)
         seabed.menu_wanted.connect(self.open)
 
@@ -66,20 +71,31 @@ class SeabedMenu(QObject):
                 ("Show this place in the record", self._handles.show_in_record),
             ):
                 menu.addAction(text).triggered.connect(lambda _=False, do=do: do(place))
-        self._show_follow()
+        self._show_ticks()
         for group in self._groups:
             menu.addSeparator()
             menu.addActions(group)
         menu.popup(at)
         return menu
 
-    def _show_follow(self) -> None:
-        """Tick whether the camera follows: to frame a target ends it."""
+    def _show_ticks(self) -> None:
+        """Tick whether the camera follows, which to frame a target ends, and whether there is a mosaic."""
         self.follow.setChecked(self._seabed.view is None or self._seabed.view.follows)
+        self.mosaic.setChecked(self._seabed.mosaic is not None)
 
     def _let_follow(self, follows: bool) -> None:
         if self._seabed.view is not None:
             self._seabed.view.follows = follows
+
+    def _lay_mosaic(self, laid: bool) -> None:
+        """Lay a mosaic that the person picks over the bed, or take it off."""
+        if laid:
+            path, _ = QFileDialog.getOpenFileName(self._window, "Mosaic on the bed", "", MOSAICS)
+            if path:
+                self._seabed.open_mosaic(Path(path))
+        else:
+            self._seabed.lay_mosaic(None)
+        self._show_ticks()
 
     def _copy_picture(self) -> None:
         if self._seabed.view is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.acoustics.rays import ALONG_STATIONS, find_shadows, follow_paths, join_points
+from insonify.acoustics.rays import ALONG_STATIONS, find_shadows, follow_paths, join_points, list_rows
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Values = NDArray[np.float64]
 ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
 POINTS = 201  # points of a path when no ranges are given
-CAUSTICS = 256  # initial capacity for caustics
 
 
 def ray_paths(
@@ -183,14 +182,8 @@ def caustics(
     import xarray as xr
 
     laid, launch, limits = _prepare_paths(water, source_depth, angles, max_range, bottom)
-    room = CAUSTICS
-    while True:
-        found = np.empty((room, CAUSTIC_COLUMNS))
-        count = trace_caustics(laid, ALONG_STATIONS, -float(source_depth), -np.radians(launch), limits, found)
-        if count < room:
-            break
-        room *= 2
-    found = found[:count]
+    start = laid, ALONG_STATIONS, -float(source_depth), -np.radians(launch)
+    found = list_rows(lambda rows: trace_caustics(*start, limits, rows), CAUSTIC_COLUMNS)
     return xr.Dataset(
         {
             "angle": ("caustic", launch[found[:, 0].astype(np.int64)], {"units": "degree"}),
@@ -281,18 +274,8 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
 
 
 def _below_surface(water: WaterKind) -> LaidWater:
-    """Water packed for the kernels, with heights above the sea surface."""
-    layers = make_sound_speed_field(water)
-    return LaidWater(
-        bent=True,
-        height=np.ascontiguousarray(0.0 - layers.depth[::-1]),
-        speed=np.ascontiguousarray(layers.speed[:, ::-1]),
-        station=layers.distance,
-        axis_x=layers.axis[0],
-        axis_y=layers.axis[1],
-        reference=1500.0,
-        surface=0.0,
-    )
+    """Water packed for the kernels, with heights above the sea surface; bent even where its speed is the same."""
+    return make_sound_speed_field(water).pack(0.0, 1500.0)
 
 
 def _height_of(bottom: float | None) -> float:

@@ -29,7 +29,7 @@ from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ra
 from insonify.kernels.refraction.section_arcs import SectionPlane
 
 Values = NDArray[np.float64]
-ROOM = 64  # initial capacity for eigenrays
+ROOM = 1024  # rows of a list at first
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
 SEAM = 1e-5  # share of the farthest range: two insonified stretches this close are one
@@ -38,15 +38,20 @@ ALONG_STATIONS = SectionPlane(0.0, 1.0)
 
 
 def follow_paths(
-    water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits
+    water: Water,
+    height: float,
+    angles: Values,
+    ranges: Values,
+    limits: RayLimits,
+    along: SectionPlane = ALONG_STATIONS,
 ) -> tuple[RayPoints, Any]:
-    """Follow rays along the line of the water's stations."""
+    """Follow rays through the water, usually along the line of its stations."""
     shape = (angles.size, ranges.size + 1)
     x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
     turns, tops, bottoms = (np.zeros(shape, np.int64) for _ in range(3))
     points = RayPoints(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
     ends = np.zeros(angles.size, np.int64)
-    trace_ray_paths(water, ALONG_STATIONS, height, angles, ranges, limits, points, ends)
+    trace_ray_paths(water, along, height, angles, ranges, limits, points, ends)
     return points, ends
 
 
@@ -55,13 +60,20 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
     span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
         return _join_across(water, span)
-    edges, room = _critical_angles(water, span), ROOM
+    edges = _critical_angles(water, span)
+    found = list_rows(lambda rows: find_eigenrays(water.height, water.speed[0], span, edges, rows), COLUMNS)
+    return found[np.argsort(found[:, ANGLE], kind="stable")]
+
+
+def list_rows(fill: Callable[[Values], int], columns: int) -> Values:
+    """All rows of a kernel that fills as many as there is room for and returns how many it filled, or would fill."""
+    room = ROOM
     while True:
-        found = np.zeros((room, COLUMNS))
-        count = find_eigenrays(water.height, water.speed[0], span, edges, found)
+        rows = np.zeros((room, columns))
+        count = int(fill(rows))
         if count < room:
-            return found[np.argsort(found[:count, ANGLE], kind="stable")]
-        room *= 2
+            return rows[:count]
+        room = max(2 * room, count + 1)
 
 
 def _critical_angles(water: Water, span: EndPoints) -> Values:

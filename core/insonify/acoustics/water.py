@@ -38,6 +38,20 @@ class SoundSpeedField:
         """Level unit vector along the line."""
         return math.cos(self.heading), math.sin(self.heading)
 
+    def pack(self, datum: float, reference: float, wavelength: float = 0.0) -> Water:
+        """Pack it for the kernels, over height above a datum."""
+        return Water(
+            bent=True,
+            height=np.ascontiguousarray(0.0 - self.depth[::-1] - datum),
+            speed=np.ascontiguousarray(self.speed[:, ::-1]),
+            station=self.distance,
+            axis_x=self.axis[0],
+            axis_y=self.axis[1],
+            reference=reference,
+            surface=0.0 - datum,
+            wavelength=wavelength,
+        )
+
     def speed_at(self, x: ArrayLike, y: ArrayLike, depth: ArrayLike) -> Values:
         """Speed of sound at places of the scene, in m/s."""
         cos, sin = self.axis
@@ -94,17 +108,7 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
     reference = speed_at_sonar(scene, datum)
     if (layers.speed == layers.speed[0, 0]).all():
         return still_water(reference, -datum)
-    return Water(
-        bent=True,
-        height=np.ascontiguousarray(-layers.depth[::-1] - datum),
-        speed=np.ascontiguousarray(layers.speed[:, ::-1]),
-        station=layers.distance,
-        axis_x=layers.axis[0],
-        axis_y=layers.axis[1],
-        reference=reference,
-        surface=-datum,
-        wavelength=reference / scene.sonar.frequency,
-    )
+    return layers.pack(datum, reference, reference / scene.sonar.frequency)
 
 
 def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:

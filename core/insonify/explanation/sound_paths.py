@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.acoustics.rays import follow_paths
 from insonify.kernels.common.types import PORT, Poses, SceneArrays
-from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ray_paths
+from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.kernels.refraction.section_arcs import SectionPlane
 from insonify.simulation import Simulation
 from insonify.tracers.labels import PATHS
@@ -93,18 +94,12 @@ def _bent_ray(arrays: SceneArrays, sonar: SonarPose, azimuth: float, launch: flo
     """Ray through the water by its launch angle, out to the ground range of a place."""
     water, ex = arrays.water, sonar.direction(azimuth)
     ranges = np.linspace(0.0, max(float(place[0]), 1e-3), POINTS + 1)[1:]
-    shape = (1, POINTS + 1)
-    x, z, cosine, sine, time, q = np.full((6, *shape), np.nan)
-    turns, tops, bottoms = np.zeros((3, *shape), np.int64)
-    points = RayPoints(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
     along = SectionPlane(
         float(sonar.place[0] * water.axis_x + sonar.place[1] * water.axis_y),
         float(ex[0] * water.axis_x + ex[1] * water.axis_y),
     )
     limits = RayLimits(float(ranges[-1]), -math.inf, sonar.surface, False, False)
-    trace_ray_paths(
-        water, along, float(sonar.place[2]), np.array([launch]), ranges, limits, points, np.zeros(1, np.int64)
-    )
+    points, _ = follow_paths(water, float(sonar.place[2]), np.array([launch]), ranges, limits, along)
     followed = np.column_stack([points.x[0], points.z[0]])
     followed = followed[np.isfinite(followed).all(axis=1)]
     return np.concatenate([[[0.0, sonar.place[2]]], followed, place[None]])

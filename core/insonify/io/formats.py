@@ -12,7 +12,7 @@ from insonify.errors import SceneError
 from insonify.io.atomic import replacing
 from insonify.io.file_access import check_expansion, check_folder, check_regular, guarded
 from insonify.io.isolation import run_isolated
-from insonify.plugins import announced, modules_in
+from insonify.plugins import extensions
 
 Content = TypeVar("Content")
 
@@ -63,7 +63,7 @@ class FormatRegistry(Generic[Content]):
     def formats(self) -> list[FileFormat[Content]]:
         """Return all formats; where two share a suffix the first counts."""
         if self._formats is None:
-            holders: list[Any] = [*modules_in(self.package), *(entry.load() for entry in announced(self.group))]
+            holders = extensions(self.package, self.group)
             found = [each for holder in holders for each in (holder, *vars(holder).values())]
             self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
         return self._formats

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -18,7 +18,7 @@ from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_p
 from insonify.acoustics.resolution_cell import bin_centres, vertical_at
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
-from insonify.plugins import announced, modules_in
+from insonify.plugins import extensions
 from insonify.receiver.waves import WaveField, Waves, make_field, no_waves, split_waves
 from insonify.scene import Scene, SceneError
 from insonify.scene.receiver.noises import NoiseConditions
@@ -300,16 +300,8 @@ KINDS: list[type[Stage]] = []
 
 def stage_kinds() -> list[type[Stage]]:
     """All stages, in the order in which they act."""
-    _discover()
+    extensions("insonify.receiver", "insonify.receiver_stages")  # classes add themselves
     return sorted(KINDS, key=lambda kind: kind.rank)
-
-
-@cache
-def _discover() -> None:
-    """Import the modules that declare stages; classes add themselves."""
-    modules_in("insonify.receiver")
-    for entry in announced("insonify.receiver_stages"):
-        entry.load()
 
 
 def spread_echoes(taps: Taps, traced: Traced) -> Record:

@@ -9,6 +9,7 @@ A declaration is a frozen, validated part of a scene. A field may hold one decla
 
 from collections.abc import Iterator
 from functools import cache
+from inspect import get_annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
@@ -17,7 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from insonify.errors import plain_text
 from insonify.files import file_version
-from insonify.plugins import announced, modules_in
+from insonify.plugins import extensions
 
 Model = TypeVar("Model", bound="Declaration")
 # m along x or y; beyond 1e8 m, float64 cannot resolve the relief.
@@ -39,7 +40,7 @@ Words = Annotated[str, AfterValidator(plain_text)]
 class Family:
     """All kinds of one choice: those of a package, and those of the entry points ``insonify.<name>``."""
 
-    def __init__(self, name: str, package: str | None = None) -> None:
+    def __init__(self, name: str, package: str = "") -> None:
         self.name, self.package = name, package
         self._models: dict[str, type[Declaration]] = {}
         self._discovered = False
@@ -70,15 +71,14 @@ class Family:
             return
         # A kind that contains others of its family needs them while its own module is being imported: the other
         # modules are then imported first, and the outer loop has nothing left to do.
-        if self.package is not None:
-            modules_in(self.package)
-        for entry in announced(f"insonify.{self.name}"):
-            entry.load()
+        extensions(self.package, f"insonify.{self.name}")
         self._discovered = True
 
 
 class Declaration(BaseModel):
     """A frozen part of a scene; unknown keys, NaN and values out of bounds are rejected.
+
+    A kind of a family has its name and rank in the head of its class: ``class Tone(PulseKind, kind="tone", rank=20)``.
 
     Attributes
     ----------
@@ -95,6 +95,15 @@ class Declaration(BaseModel):
     family: ClassVar[Family | None] = None
     rank: ClassVar[int] = 100
     table: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls, *, kind: str = "", rank: int | None = None, **options: Any) -> None:
+        """Make the name of a kind its field ``kind``, the first of its fields."""
+        super().__init_subclass__(**options)
+        if kind:
+            cls.__annotations__ = {"kind": Literal[kind], **get_annotations(cls)}
+            cls.kind = kind  # type: ignore[attr-defined]
+        if rank is not None:
+            cls.rank = rank
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
@@ -131,7 +140,7 @@ class Kind(Declaration):
     """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
 
     if TYPE_CHECKING:
-        kind: str
+        kind: str = ""
 
     @model_validator(mode="before")
     @classmethod
@@ -153,10 +162,8 @@ def describe_excess(
             yield f"{name} {value:g}{unit} is outside the range of {formula}, {least:g} to {most:g}{unit}"
 
 
-class Nothing(Kind):
+class Nothing(Kind, kind="none"):
     """Without this effect."""
-
-    kind: Literal["none"] = "none"
 
 
 class KindOf:

@@ -44,14 +44,12 @@ def _ignore(tile: Mapping[str, Any]) -> None:
     """Take a tile of which nothing is written."""
 
 
-class Coco(AnnotationKind):
+class Coco(AnnotationKind, kind="coco", rank=10):
     """COCO: ``coco-echo.json``, ``coco-shadow.json`` and ``coco-both.json`` in the folder of each split.
 
     Boxes are [x, y, width, height] in pixels. Masks are run lengths by columns, uncompressed, which pycocotools reads.
     """
 
-    rank = 10
-    kind: Literal["coco"] = "coco"
     of: tuple[Extent, ...] = parameter(EXTENTS, "echo, shadow or both of a target; one file each", min_length=1)
 
     @contextmanager
@@ -126,11 +124,9 @@ def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_
         images.write("]}\n")
 
 
-class Yolo(AnnotationKind):
+class Yolo(AnnotationKind, kind="yolo", rank=20):
     """YOLO: ``labels`` beside ``images``, with a line for each target: class from 0, then centre and size as shares."""
 
-    rank = 20
-    kind: Literal["yolo"] = "yolo"
     of: Extent = parameter("both", "what the box of a target encloses: echo, shadow or both")
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:

@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import load_palette
+from insonify.io.bathymetry import LEVELS, Grid
+from insonify.io.bathymetry.rasters import read_raster
+from insonify.io.file_access import FileFault, guarded
 from insonify.io.geotiff import write_geotiff, write_kmz
 from insonify.scene import SceneError
 from insonify.surveys import OVERLAPS
@@ -21,7 +24,7 @@ BEHIND = 1e9  # m, farther than any ground range
 FAINTEST = -40.0  # dB, of cells without an echo
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
 BAND = "echo relative to the median of the record at its range"  # name of the levels in a GeoTIFF
-KMZ = ".kmz"
+KMZ, GEOTIFF = ".kmz", (".tif", ".tiff")
 PICTURED, PALETTE = (1.0, 99.0), "copper"  # percentiles of levels, and colours, in pictures of a mosaic
 ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
 
@@ -73,15 +76,32 @@ def write_mosaic(path: Path, mosaic: Mosaic, crs: str) -> None:
     """Write a mosaic as GeoTIFF, or as a picture in KMZ, which needs a map."""
     place = (mosaic.corner, mosaic.cell, crs)
     if path.suffix.lower() != KMZ:
-        write_geotiff(path, mosaic.level, *place, band=BAND, unit="dB")
+        write_geotiff(path, mosaic.level, *place, band=BAND, unit=LEVELS)
         return
     if not crs:
         raise SceneError(f"{path.name}: the records have no place on Earth, which {KMZ} needs; write a .tif")
-    low, high = np.nanpercentile(mosaic.level, PICTURED)
-    tone = np.nan_to_num(np.clip((mosaic.level - low) / max(high - low, 1e-9), 0.0, 1.0))
+    write_kmz(path, colour_levels(mosaic.level), *place)
+
+
+def read_levels(path: Path) -> Grid:
+    """Read a mosaic, or other levels on a map, from a GeoTIFF."""
+    with guarded(lambda fault, remedy: SceneError(f"{path.name}: {fault}; {remedy}"), "give a GeoTIFF"):
+        if path.suffix.lower() not in GEOTIFF:
+            raise FileFault("is no GeoTIFF", f"give a file that ends in {' or '.join(GEOTIFF)}")
+        grid = read_raster(str(path))
+        if not np.isfinite(grid.heights).any():
+            raise FileFault("holds no level", "make the mosaic again")
+        if grid.corner is None:
+            raise FileFault("names no place of its corner", "georeference it")
+    return grid
+
+
+def colour_levels(level: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Colour levels: (rows, columns, 4) red, green, blue and opacity, which is 0 where there is none."""
+    low, high = np.nanpercentile(level, PICTURED)
+    tone = np.nan_to_num(np.clip((level - low) / max(high - low, 1e-9), 0.0, 1.0))
     colours = load_palette(PALETTE)[(255.0 * tone).astype(np.uint8)]
-    opacity = np.where(np.isnan(mosaic.level), 0, 255)
-    write_kmz(path, np.dstack([colours, opacity]).astype(np.uint8), *place)
+    return np.dstack([colours, np.where(np.isnan(level), 0, 255)]).astype(np.uint8)
 
 
 def _extent(swaths: Collection[Swath], cell: float) -> tuple[tuple[float, float], tuple[int, int]]:

@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,11 +58,8 @@ class StorageKind(Kind):
         """Read an image by the name that `write` noted."""
 
 
-class Files(StorageKind):
+class Files(StorageKind, kind="files", rank=10):
     """PNG pictures, a file for each image and each mask."""
-
-    rank = 10
-    kind: Literal["files"] = "files"
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/images/SHELF/NAME.png``, the same below ``masks``, and annotations beside."""
@@ -80,11 +77,9 @@ class Files(StorageKind):
         return _decode(folder / file)
 
 
-class WebDataset(StorageKind):
+class WebDataset(StorageKind, kind="webdataset", rank=20):
     """Archives as WebDataset reads them: ``NAME.png``, ``NAME.mask.png``, ``NAME.json`` and annotations."""
 
-    rank = 20
-    kind: Literal["webdataset"] = "webdataset"
     scenes: int = parameter(16, "scenes that one job simulates; it stores their tiles together", ge=1, le=10_000)
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
@@ -108,14 +103,12 @@ class WebDataset(StorageKind):
             return _decode(archive.extractfile(name))
 
 
-class ZarrStore(StorageKind):
+class ZarrStore(StorageKind, kind="zarr", rank=30):
     """Zarr stores with the arrays ``images`` and ``masks``, (tiles, pings, bins), and the names and shapes of tiles.
 
     Tiles that are smaller than the largest of their job are padded with zeros at their ends.
     """
 
-    rank = 30
-    kind: Literal["zarr"] = "zarr"
     scenes: int = parameter(16, "scenes that one job simulates; it stores their tiles together", ge=1, le=10_000)
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:

@@ -14,7 +14,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.parallel import in_parallel
-from insonify.plugins import announced, modules_in
+from insonify.plugins import extensions
 from insonify.scene import Scene, SceneError
 from insonify.tow.poses import take_poses
 
@@ -160,29 +160,21 @@ class Tracer(PreparedTracer):
 
 def list_methods() -> tuple[str, ...]:
     """Return the methods that can be requested: "auto", then the tracers by their ranks."""
-    _discover()
+    extensions("insonify.tracers", "insonify.tracers")  # tracers declare themselves
     return (AUTO, *sorted(_DECLARED, key=lambda name: _DECLARED[name].rank))
 
 
 def find_tracer(name: str) -> Tracer:
     """Return the tracer of a name, or raise `SceneError`."""
-    _discover()
+    known = list_methods()
     if name not in _DECLARED:
-        raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(list_methods())}")
+        raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(known)}")
     return _made(_DECLARED[name])
 
 
 def prepare_tracer(packed: PackedScene, model: Model) -> PreparedTracer:
     """Return the tracer of a model, ready for a packed scene."""
     return find_tracer(model.method).prepare(packed.scene, packed.straighten(model))
-
-
-@cache
-def _discover() -> None:
-    """Import the modules of this package and what installed packages announce; their tracers declare themselves."""
-    modules_in("insonify.tracers")
-    for entry in announced("insonify.tracers"):
-        entry.load()
 
 
 @cache

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.acoustics.rays import list_rows
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins
@@ -26,8 +26,6 @@ from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
-
-ROOM = 1024  # parts for which there is room at first
 
 Column = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -93,7 +91,8 @@ def find_echo_parts(
     _, folded = make_apparent_tables(arrays, pose)
     if folded.any():
         bare = without_targets(arrays)
-        return _columns(_list_all(lambda rows: list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows)))
+        beam = arrays, bare, pose, 0, side, rays, window
+        return _columns(list_rows(lambda rows: list_refracted_parts(*beam, rows), kernels.COLUMNS))
     fans = lay_planes_of_images(arrays, pose, planes, across)
     if not fans:
         return _columns(np.empty((0, kernels.COLUMNS)))
@@ -103,17 +102,6 @@ def find_echo_parts(
         return direct
     both = direct, find_surface_parts(arrays, pose, side, window, (fan, image_fan))
     return EchoParts(*(np.concatenate([getattr(one, field.name) for one in both]) for field in fields(EchoParts)))
-
-
-def _list_all(fill: Callable[[Column], int]) -> Column:
-    """All rows of a kernel that lists as many as there is room for and returns how many there are."""
-    room = ROOM
-    while True:
-        rows = np.zeros((room, kernels.COLUMNS))
-        count = int(fill(rows))
-        if count <= room:
-            return rows[:count]
-        room = count
 
 
 def take_central_plane(arrays: SceneArrays, fan: AzimuthFan) -> AzimuthFan:
@@ -134,7 +122,7 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
         parts = PartList(rows, bins, knots)
         return int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
 
-    return _columns(_list_all(fill))
+    return _columns(list_rows(fill, kernels.COLUMNS))
 
 
 def _columns(rows: Column, paths: Any = 0) -> EchoParts:

@@ -23,6 +23,7 @@ NODATA = frozenset(
     sign * value for value in (9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 1e6, 1e20) for sign in (-1.0, 1.0)
 )
 FAR = 1000.0  # m: a customary value closer than that to another height may be a height
+LEVELS = "dB"  # unit of a mosaic
 SAMPLE = "sample:"
 # File, array, and whether its first row is the northernmost.
 SAMPLES = {
@@ -45,6 +46,7 @@ class Grid:
     crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file names none
     # Whether the file declares its numbers as depths, positive down, as ``heights`` then are too.
     depths: bool = False
+    unit: str = ""  # of the numbers, as the file names it
 
 
 BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(
@@ -61,6 +63,8 @@ def read_grid(path: str) -> Grid:
         grid = _read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
         if not np.isfinite(grid.heights).any():
             raise FileFault("holds no valid height", "check its nodata value")
+        if grid.unit == LEVELS:
+            raise FileFault("holds levels in dB, not heights", "lay the mosaic over a bed with View, Mosaic on the bed")
         _check_nodata(grid.heights[np.isfinite(grid.heights)])
     return grid
 

@@ -91,10 +91,10 @@ def _is_depth(raster: Any) -> bool:
 
 def _read_metres(raster: Any, depths: bool) -> Grid:
     """Read a raster in metres."""
-    heights = _flipped(raster.read(ELEVATION, masked=True))
+    heights, unit = _flipped(raster.read(ELEVATION, masked=True)), raster.units[ELEVATION - 1] or ""
     # A TIFF without georeference is accepted: the scene gives its spacing.
     if raster.crs is None and raster.transform.is_identity:
-        return Grid(heights, depths=depths)
+        return Grid(heights, depths=depths, unit=unit)
     _check_metres(raster)
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
@@ -104,7 +104,7 @@ def _read_metres(raster: Any, depths: bool) -> Grid:
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     # A local system, neither projected nor geographic, has no known place on Earth.
     crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
-    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths)
+    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths, unit=unit)
 
 
 def _check_transform(transform: Any) -> None:

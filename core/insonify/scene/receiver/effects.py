@@ -1,7 +1,7 @@
 """Effects between echo and record: fluctuation, interference and ringing, one kind each, and reverberation."""
 
 import math
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,43 +43,33 @@ def _surface_strength() -> Any:
     return decibels(-30.0, "backscattering strength of a square metre of the sea surface", (-200.0, 10.0), (-60.0, 0.0))
 
 
-class NoReverberation(ReverberationKind):
+class NoReverberation(ReverberationKind, kind="none", rank=10):
     """No reverberation: only the bed and the targets echo."""
 
-    rank = 10
-    kind: Literal["none"] = "none"
 
-
-class VolumeReverberation(ReverberationKind):
+class VolumeReverberation(ReverberationKind, kind="volume", rank=20):
     """Volume reverberation: the water echoes."""
 
-    rank = 20
-    kind: Literal["volume"] = "volume"
     volume_strength: float = _volume_strength()
 
 
-class SurfaceReverberation(ReverberationKind):
+class SurfaceReverberation(ReverberationKind, kind="surface", rank=30):
     """Surface reverberation: the sea surface echoes."""
 
-    rank = 30
-    kind: Literal["surface"] = "surface"
     surface_strength: float = _surface_strength()
 
 
-class WholeReverberation(ReverberationKind):
+class WholeReverberation(ReverberationKind, kind="both", rank=40):
     """Volume and surface reverberation."""
 
-    rank = 40
-    kind: Literal["both"] = "both"
     volume_strength: float = _volume_strength()
     surface_strength: float = _surface_strength()
 
 
-class Lognormal(Kind):
+class Lognormal(Kind, kind="lognormal"):
     """Levels of pings that fluctuate slowly, lognormal about the same mean intensity."""
 
     family = FLUCTUATIONS
-    kind: Literal["lognormal"] = "lognormal"
     level: float = decibels(1.5, "standard deviation of the level", (0.0, 20.0), (0.0, 6.0))
     correlation_time: float = parameter(
         1.0, "time after which the correlation is 1/e", "s", gt=0.0, le=1e6, slider=(0.05, 100.0), log=True
@@ -89,11 +79,10 @@ class Lognormal(Kind):
     )
 
 
-class OtherSonar(Kind):
+class OtherSonar(Kind, kind="sonar"):
     """Another sonar with its own ping rate: its pings cross the record as slanting rows of dashes."""
 
     family = INTERFERENCES
-    kind: Literal["sonar"] = "sonar"
     level: float = decibels(
         -60.0,
         "received level of the pulses of that sonar, dB re the source at 1 m, or re 1 µPa with a source level",
@@ -106,11 +95,10 @@ class OtherSonar(Kind):
     )
 
 
-class DecayingRinging(Kind):
+class DecayingRinging(Kind, kind="decay"):
     """Ringing of the transducer whose energy decays exponentially after transmission."""
 
     family = RINGINGS
-    kind: Literal["decay"] = "decay"
     level: float = decibels(
         -40.0, "level at the end of the transmission, dB re the source at 1 m", (-300.0, 0.0), (-100.0, 0.0)
     )

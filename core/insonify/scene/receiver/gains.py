@@ -41,18 +41,13 @@ class GainKind(Kind):
         return np.zeros(bins.number.shape)
 
 
-class NoTvg(GainKind):
+class NoTvg(GainKind, kind="none", rank=10):
     """No gain: echoes as loud as they arrive."""
 
-    rank = 10
-    kind: Literal["none"] = "none"
 
-
-class PowerTvg(GainKind):
+class PowerTvg(GainKind, kind="power", rank=20):
     """Time-varied gain by a power of range and by absorption: spreading · log r + 2αr, clipped at the noise floor."""
 
-    rank = 20
-    kind: Literal["power"] = "power"
     spreading: float = decibels(
         30.0, "gain per tenfold slant range: 40 for points, 30 for beds, 20 for volumes", (0.0, 80.0), (0.0, 60.0)
     )
@@ -71,11 +66,9 @@ class PowerTvg(GainKind):
         return self.spreading * np.log10(bins.slant_range) + 2.0 * loss / NEPER_PER_DB * bins.slant_range
 
 
-class TableTvg(GainKind):
+class TableTvg(GainKind, kind="table", rank=30):
     """Time-varied gain by a table, as in a recorder's file or of a gain curve; it also amplifies noise."""
 
-    rank = 30
-    kind: Literal["table"] = "table"
     stops_at_noise = False
     by: Literal["time", "bin"] = parameter(
         "time", "first column of the table: seconds after transmission, or bins from 0"

@@ -42,15 +42,13 @@ class NoiseKind(Kind):
         raise NotImplementedError(f"the noise {self.kind!r} declares no level")
 
 
-class AmbientNoise(NoiseKind):
+class AmbientNoise(NoiseKind, kind="ambient", rank=10):
     """Noise of a given level in the receiver's band, whatever the pulse and the beam."""
 
-    rank = 10
     advice = (
         "receiver.noise 'ambient' keeps its level whatever the pulse; "
         "'density', 'sea' or 'snr' follow the receiver's band and array"
     )
-    kind: Literal["ambient"] = "ambient"
     level: float = decibels(
         -110.0,
         "mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
@@ -77,11 +75,9 @@ class SpectralNoise(NoiseKind):
         return self.density(conditions.frequency) + to_decibels(conditions.bandwidth) - conditions.directivity
 
 
-class WhiteNoise(SpectralNoise):
+class WhiteNoise(SpectralNoise, kind="density", rank=20):
     """Noise of a given spectral density, such as a measured one."""
 
-    rank = 20
-    kind: Literal["density"] = "density"
     level: float = decibels(35.0, "density, dB re 1 µPa²/Hz", (-100.0, 200.0), (0.0, 100.0))
 
     def density(self, frequency: float) -> float:
@@ -89,11 +85,9 @@ class WhiteNoise(SpectralNoise):
         return self.level
 
 
-class SeaNoise(SpectralNoise):
+class SeaNoise(SpectralNoise, kind="sea", rank=30):
     """Noise of wind, rain and the thermal motion of the water, by frequency (Wenz 1962, Mellen 1952)."""
 
-    rank = 30
-    kind: Literal["sea"] = "sea"
     wind: float = parameter(
         5.0,
         "wind speed 10 m above the sea; sea states 0 to 6 are 0, 2.5, 4.5, 6.7, 9.4, 12.3, 15.5 m/s",
@@ -118,11 +112,9 @@ class SeaNoise(SpectralNoise):
             yield from describe_excess("frequency", khz, khz, " kHz", (1.0, 100.0), "noise of wind by Wenz")
 
 
-class SnrNoise(NoiseKind):
+class SnrNoise(NoiseKind, kind="snr", rank=40):
     """Noise that is weaker by a given ratio than the mean echo of the bed at a range."""
 
-    rank = 40
-    kind: Literal["snr"] = "snr"
     value: float = decibels(
         15.0, "mean echo of a level bed of the scene's materials over the noise", (-100.0, 200.0), (-10.0, 40.0)
     )

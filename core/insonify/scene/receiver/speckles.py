@@ -1,6 +1,6 @@
 """Speckle models."""
 
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from insonify.scene.base import Family, Kind, parameter
 
@@ -45,31 +45,25 @@ class SpeckleKind(Kind):
         return None
 
 
-class NoSpeckle(SpeckleKind):
+class NoSpeckle(SpeckleKind, kind="none", rank=10):
     """No speckle: the mean echo."""
 
-    rank = 10
     speckled = False
-    kind: Literal["none"] = "none"
 
 
 def _looks() -> Any:
     return parameter(1, "independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
 
 
-class Rayleigh(SpeckleKind):
+class Rayleigh(SpeckleKind, kind="rayleigh", rank=20):
     """Fully developed speckle: the intensity of every bin is exponential about its mean."""
 
-    rank = 20
-    kind: Literal["rayleigh"] = "rayleigh"
     looks: int = _looks()
 
 
-class K(SpeckleKind):
+class K(SpeckleKind, kind="k", rank=30):
     """Speckle of few scatterers: Rayleigh speckle of a bed with gamma-distributed strength."""
 
-    rank = 30
-    kind: Literal["k"] = "k"
     shape: float = parameter(
         2.0,
         "shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
@@ -96,12 +90,10 @@ class K(SpeckleKind):
         return Texture(self.shape, self.cell)
 
 
-class Coherent(SpeckleKind):
+class Coherent(SpeckleKind, kind="coherent", rank=40):
     """Scatterers on bed and targets whose echoes are traced one by one and interfere; slow, by the sweep alone."""
 
-    rank = 40
     interferes = True
-    kind: Literal["coherent"] = "coherent"
     density: float | None = parameter(
         None,
         "mean number of scatterers per area; 32 in a cell at half the range when left out",

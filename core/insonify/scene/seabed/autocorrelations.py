@@ -4,7 +4,6 @@ import math
 from abc import abstractmethod
 from functools import lru_cache
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from pydantic import ValidationError, field_validator
@@ -51,11 +50,8 @@ class LengthAutocorrelation(AutocorrelationKind):
         return np.asarray((2.0 * math.pi * self.length) ** 2 * (fx**2 + fy**2))
 
 
-class ExponentialAutocorrelation(LengthAutocorrelation):
+class ExponentialAutocorrelation(LengthAutocorrelation, kind="exponential", rank=10):
     """Exponential autocorrelation, exp(−lag / length)."""
-
-    rank = 10
-    kind: Literal["exponential"] = "exponential"
 
     def density(self, variance: float) -> Density:
         """Spectral density 2π h² l² (1 + k² l²)^−3/2."""
@@ -64,11 +60,8 @@ class ExponentialAutocorrelation(LengthAutocorrelation):
         )
 
 
-class GaussianAutocorrelation(LengthAutocorrelation):
+class GaussianAutocorrelation(LengthAutocorrelation, kind="gaussian", rank=20):
     """Gaussian autocorrelation, exp(−lag² / length²)."""
-
-    rank = 20
-    kind: Literal["gaussian"] = "gaussian"
 
     def density(self, variance: float) -> Density:
         """Spectral density π h² l² exp(−k² l²/4)."""
@@ -102,11 +95,9 @@ class LinearAutocorrelation(AutocorrelationKind):
         return density
 
 
-class TabledAutocorrelation(LinearAutocorrelation):
+class TabledAutocorrelation(LinearAutocorrelation, kind="table", rank=30):
     """Autocorrelation interpolated linearly between given points, 0 beyond the last."""
 
-    rank = 30
-    kind: Literal["table"] = "table"
     points: tuple[tuple[float, float], ...] = parameter(
         ((0.0, 1.0), (0.5, 0.5), (1.0, 0.2), (2.0, 0.0)),
         "points [lag in m, autocorrelation] from [0, 1]",
@@ -153,11 +144,9 @@ def tabulate_spectrum(points: Points) -> tuple[Field, Field]:
     return wave, np.maximum(power, 0.0)
 
 
-class AutocorrelationFile(LinearAutocorrelation):
+class AutocorrelationFile(LinearAutocorrelation, kind="file", rank=40):
     """Autocorrelation interpolated linearly between the points of a file, 0 beyond the last."""
 
-    rank = 40
-    kind: Literal["file"] = "file"
     path: FilePath = parameter(description="CSV with a column lag (m) and one autocorrelation, from 0, 1", min_length=1)
 
     def tabulated(self) -> Points:

@@ -1,7 +1,6 @@
 """Mask that limits a relief to parts of the bed."""
 
 import math
-from typing import Literal
 
 import numpy as np
 
@@ -11,14 +10,13 @@ from insonify.scene.seabed.reliefs.spectrum import Density, Field
 MASKS = Family("masks", "insonify.scene.seabed")
 
 
-class PatchMask(Kind):
+class PatchMask(Kind, kind="patches"):
     """Smooth patches at random places, outside which the relief fades out and the bed is level.
 
     They are cut at a threshold from a Gaussian field of unit variance.
     """
 
     family = MASKS
-    kind: Literal["patches"] = "patches"
     share: float = parameter(0.5, "share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95))
     size: float = metres(10.0, "typical width of a patch", (1.0, 50.0), least=1e-3, most=1e5)
     softness: float = parameter(

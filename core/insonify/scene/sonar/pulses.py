@@ -89,11 +89,8 @@ class PulseKind(Kind):
         return None
 
 
-class Ideal(PulseKind):
+class Ideal(PulseKind, kind="ideal", rank=10):
     """A pulse shorter than any bin."""
-
-    rank = 10
-    kind: Literal["ideal"] = "ideal"
 
     def taps(self, length: float) -> NDArray[np.float64]:
         """All of a bin's energy stays in it."""
@@ -104,11 +101,9 @@ class Ideal(PulseKind):
         return np.ones(1)
 
 
-class Tone(PulseKind):
+class Tone(PulseKind, kind="tone", rank=20):
     """A gated tone: every echo lasts as long as the pulse."""
 
-    rank = 20
-    kind: Literal["tone"] = "tone"
     duration: float = parameter(1e-4, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True)
 
     @property
@@ -132,12 +127,10 @@ class Tone(PulseKind):
         return 1.0 - np.arange(max(math.ceil(length), 1)) / length
 
 
-class Chirp(PulseKind):
+class Chirp(PulseKind, kind="chirp", rank=30):
     """A sweep of frequencies, compressed by a matched filter: an echo is as short as the bandwidth allows."""
 
-    rank = 30
     two_sided = True
-    kind: Literal["chirp"] = "chirp"
     duration: float = parameter(1e-3, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-4, 1e-2), log=True)
     bandwidth: float = parameter(30e3, "frequencies swept", "Hz", gt=0.0, le=1e6, slider=(5e3, 2e5), log=True)
     window: Literal["uniform", "hamming", "hann"] = parameter(

@@ -47,11 +47,9 @@ PlanName = Literal["straight", "tapered", "elliptic", "cranked", "swept", "delta
 TailName = Literal["single", "twin", "high"]
 
 
-class Aircraft(Sunken):
+class Aircraft(Sunken, kind="aircraft", rank=7):
     """An aircraft that has sunk: whole, crumpled, stripped to its frames, or broken into body, tail and wings."""
 
-    rank = 7
-    kind: Literal["aircraft"] = "aircraft"
     plan: PlanName = parameter("tapered", "plan of the wings")
     length: float = metres(12.0, "from the nose to the tail", (6.0, 40.0), least=1.0, most=100.0)
     span: float | None = parameter(None, "from tip to tip; that of its plan when left out", "m", gt=0.0, le=100.0)

@@ -1,6 +1,6 @@
 """Spheres, boxes and cones."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -12,11 +12,9 @@ from insonify.scene.targets.shape import Shape, ball, block, frustum
 Edge = Annotated[float, Field(ge=LEAST, le=1000.0)]
 
 
-class Sphere(Posed):
+class Sphere(Posed, kind="sphere", rank=2):
     """A sphere, which looks the same at any attitude."""
 
-    rank = 2
-    kind: Literal["sphere"] = "sphere"
     radius: float = metres(0.5, "radius of the sphere", (0.05, 2.0), least=LEAST, most=100.0)
 
     def shape(self) -> Shape:
@@ -29,11 +27,9 @@ class Sphere(Posed):
         return super().idle_fields | {"heading", "pitch", "roll"}
 
 
-class Box(Posed):
+class Box(Posed, kind="box", rank=3):
     """A block; its centre is at half its length, width and height."""
 
-    rank = 3
-    kind: Literal["box"] = "box"
     size: tuple[Edge, Edge, Edge] = parameter(
         (2.0, 1.0, 1.0),
         "[length, width, height], each from 1 mm to 1000 m; the length runs along the heading",
@@ -47,11 +43,9 @@ class Box(Posed):
         return Shape(triangles=block(self.size))
 
 
-class Cone(Posed):
+class Cone(Posed, kind="cone", rank=4):
     """A cone, apex up when level; its centre is at half its height."""
 
-    rank = 4
-    kind: Literal["cone"] = "cone"
     radius: float = metres(0.5, "radius of the base", (0.05, 2.0), least=LEAST, most=100.0)
     height: float = metres(1.0, "from the base to the apex", (0.05, 5.0), least=LEAST, most=1000.0)
 

@@ -1,7 +1,7 @@
 """Shapes from files of triangles."""
 
 import math
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +13,9 @@ from insonify.scene.targets import Posed
 from insonify.scene.targets.shape import Outline, Shape, Vector
 
 
-class MeshFile(Posed):
+class MeshFile(Posed, kind="mesh", rank=5):
     """A shape from a file of triangles; its centre is that of the bounding box before it is turned."""
 
-    rank = 5
-    kind: Literal["mesh"] = "mesh"
     path: FilePath = parameter(
         description="OBJ, STL, PLY, glTF or GLB file, x ahead and z up (glTF: y up), or the name of a bundled mesh",
         min_length=1,

@@ -1,7 +1,7 @@
 """Pipes: along the bed, over spans, or pitched."""
 
 from itertools import pairwise
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -15,11 +15,9 @@ MOST_SAMPLES = 2048  # heights of the bed beneath a pipe
 LONG = 0.4  # length of a new pipe over the slant range
 
 
-class Pipe(Target):
+class Pipe(Target, kind="pipe", rank=1):
     """A pipe that rests on the bed in some places and spans above it in others."""
 
-    rank = 1
-    kind: Literal["pipe"] = "pipe"
     radius: float = metres(0.5, "outer radius of the pipe", (0.05, 2.0), least=LEAST, most=100.0)
     length: float = metres(20.0, "length along the axis", (1.0, 200.0), least=LEAST, most=1e5)
     heading: float = angle("direction of the axis, counter-clockwise from east; 45T is 45° by the compass")

@@ -70,11 +70,9 @@ FORMS = {
 FormName = Literal["dinghy", "trawler", "schooner", "barge", "freighter", "tug", "submarine"]
 
 
-class Wreck(Sunken):
+class Wreck(Sunken, kind="wreck", rank=6):
     """A sunken ship, from nearly whole by way of an open hold to ribs amid debris."""
 
-    rank = 6
-    kind: Literal["wreck"] = "wreck"
     form: FormName = parameter("trawler", "form of the hull and what stands on its deck")
     length: float = metres(24.0, "length of the hull", (6.0, 120.0), least=1.0, most=400.0)
     beam: float | None = parameter(None, "breadth of the hull; that of its form when left out", "m", gt=0.0, le=80.0)

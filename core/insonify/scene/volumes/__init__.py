@@ -1,7 +1,7 @@
 """Volumes of the water column that echo: schools of fish, plumes of bubbles."""
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,11 +52,9 @@ class Volume(Kind):
         return VolumeSamples(turned + np.array(self.position), self.cubic_metres / count)
 
 
-class School(Volume):
+class School(Volume, kind="school", rank=10):
     """A school of fish: an ellipsoid about its position; -25 dB are thirty fish of -40 dB in a cubic metre."""
 
-    rank = 10
-    kind: Literal["school"] = "school"
     length: float = metres(10.0, "extent along its heading", (1.0, 100.0), most=1e4)
     width: float = metres(5.0, "extent across its heading", (1.0, 100.0), most=1e4)
     height: float = metres(3.0, "from its underside to its top", (0.5, 30.0), most=1e4)
@@ -74,11 +72,9 @@ class School(Volume):
         return ball * (0.5 * np.array([self.length, self.width, self.height]))
 
 
-class Plume(Volume):
+class Plume(Volume, kind="plume", rank=20):
     """A plume of bubbles that rises from its position, widens evenly and drifts along its heading."""
 
-    rank = 20
-    kind: Literal["plume"] = "plume"
     height: float = metres(15.0, "from the vent to its top", (1.0, 100.0), most=1e4)
     radius: float = metres(1.0, "radius at its top", (0.1, 10.0), most=1e4)
     drift: float = parameter(0.0, "drift of its top along the heading", "m", ge=0.0, le=1e4, slider=(0.0, 50.0))

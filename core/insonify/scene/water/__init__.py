@@ -1,6 +1,6 @@
 """Waters: their base class, with sound speed, absorption and sea surface, and water of one sound speed."""
 
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,11 +72,9 @@ def speeds_by_depth(depth: ArrayLike, speed: ArrayLike) -> SoundSpeeds:
     return SoundSpeeds(np.asarray(depth, dtype=np.float64), np.asarray(speed, dtype=np.float64)[None, :])
 
 
-class UniformWater(WaterKind):
+class UniformWater(WaterKind, kind="uniform", rank=10):
     """Still water of one sound speed."""
 
-    rank = 10
-    kind: Literal["uniform"] = "uniform"
     sound_speed: float = parameter(1500.0, "speed of sound", "m/s", ge=1300.0, le=1700.0, slider=(1400.0, 1600.0))
 
     @property

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from pydantic import model_validator
 
@@ -29,20 +29,16 @@ class AbsorptionKind(Kind):
         return 0.0
 
 
-class NoAbsorption(AbsorptionKind):
+class NoAbsorption(AbsorptionKind, kind="none", rank=10):
     """Water without absorption."""
 
-    rank = 10
     by_frequency = False
-    kind: Literal["none"] = "none"
 
 
-class ConstantAbsorption(AbsorptionKind):
+class ConstantAbsorption(AbsorptionKind, kind="constant", rank=20):
     """A given absorption; a bare number of dB/km stands for it."""
 
-    rank = 20
     by_frequency = False
-    kind: Literal["constant"] = "constant"
     coefficient: float = parameter(30.0, "absorption, one way", "dB/km", ge=0.0, le=1e5, slider=(0.0, 500.0))
 
     @model_validator(mode="before")
@@ -55,11 +51,9 @@ class ConstantAbsorption(AbsorptionKind):
         return self.coefficient
 
 
-class FrancoisGarrison(AbsorptionKind):
+class FrancoisGarrison(AbsorptionKind, kind="francois_garrison", rank=30):
     """Absorption of sea water by frequency, after Francois and Garrison (1982)."""
 
-    rank = 30
-    kind: Literal["francois_garrison"] = "francois_garrison"
     temperature: float = parameter(10.0, "temperature of the water", "°C", ge=-2.0, le=40.0, slider=(0.0, 30.0))
     salinity: float = parameter(35.0, "salinity of the water", "g/kg", ge=0.0, le=45.0, slider=(0.0, 40.0))
     acidity: float = parameter(8.0, "acidity of the water", "pH", ge=7.0, le=9.0, slider=(7.5, 8.5))

@@ -116,12 +116,10 @@ def check_length(what: str, count: int, depth: tuple[float, ...]) -> None:
         raise ValueError(f"{what} has {numbers} for {len(depth)} depths; give one for each depth")
 
 
-class ProfileWater(LayeredWater):
+class ProfileWater(LayeredWater, kind="profile", rank=20):
     """Water of given speeds at given depths."""
 
     table: ClassVar[frozenset[str]] = frozenset({"depth", "sound_speed"})
-    rank = 20
-    kind: Literal["profile"] = "profile"
     sound_speed: tuple[Speed, ...] = parameter(SPEEDS, "speed of sound at those depths", "m/s", slider=(1400.0, 1600.0))
     interpolation: Interpolation = interpolation()
 
@@ -137,12 +135,10 @@ class ProfileWater(LayeredWater):
         return speeds_by_depth(*approximate_pchip(np.array(self.depth), np.array(self.sound_speed), CURVE_TOLERANCE))
 
 
-class HydrographyWater(LayeredWater):
+class HydrographyWater(LayeredWater, kind="hydrography", rank=30):
     """Water of given temperature and salinity, linear between the depths; the speed follows from an equation."""
 
     table: ClassVar[frozenset[str]] = frozenset({"depth", "temperature", "salinity"})
-    rank = 30
-    kind: Literal["hydrography"] = "hydrography"
     temperature: tuple[Temperature, ...] = parameter(
         (18.0, 17.6, 11.6, 11.0), "temperature at those depths", "°C", slider=(0.0, 30.0)
     )
@@ -174,13 +170,11 @@ class HydrographyWater(LayeredWater):
         yield from describe_range(self.equation, self.temperature, self.salinity, self.depth)
 
 
-class SectionWater(LayeredWater):
+class SectionWater(LayeredWater, kind="section", rank=50):
     """Water that varies horizontally: sound speed profiles along a line through the scene's (0, 0)."""
 
     table: ClassVar[frozenset[str]] = frozenset({"distance", "depth", "sound_speed"})
-    rank = 50
     varies_along = True
-    kind: Literal["section"] = "section"
     distance: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = parameter(
         (0.0, 200.0), "places of the profiles along the line", "m", slider=(-100.0, 100.0)
     )
@@ -215,11 +209,9 @@ class SectionWater(LayeredWater):
         )
 
 
-class CastWater(WaterKind):
+class CastWater(WaterKind, kind="cast", rank=40):
     """Water measured by an instrument cast."""
 
-    rank = 40
-    kind: Literal["cast"] = "cast"
     path: FilePath = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
     interpolation: Interpolation = interpolation()
     equation: Equation | None = parameter(

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from typing import Literal
 
 from insonify.scene.base import Family, Kind, describe_excess, parameter
 
@@ -43,11 +42,8 @@ class SurfaceKind(Kind):
         return 0.0
 
 
-class NoSurface(SurfaceKind):
+class NoSurface(SurfaceKind, kind="none", rank=10):
     """No sea surface: the water has no upper end."""
-
-    rank = 10
-    kind: Literal["none"] = "none"
 
 
 class MirrorSurface(SurfaceKind):
@@ -71,18 +67,13 @@ class MirrorSurface(SurfaceKind):
         return self.surface_bottom, self.surface_bottom_surface, self.second_bottom, self.surface_echo
 
 
-class FlatSurface(MirrorSurface):
+class FlatSurface(MirrorSurface, kind="flat", rank=20):
     """A calm sea, which mirrors perfectly."""
 
-    rank = 20
-    kind: Literal["flat"] = "flat"
 
-
-class RoughSurface(MirrorSurface):
+class RoughSurface(MirrorSurface, kind="rough", rank=30):
     """A sea raised by the wind: multipath keeps its energy and is spread in range."""
 
-    rank = 30
-    kind: Literal["rough"] = "rough"
     wind_speed: float = parameter(
         5.0, "speed of the wind that raises the sea, 19.5 m above it", "m/s", ge=0.0, le=30.0, slider=(0.0, 15.0)
     )

@@ -2,7 +2,7 @@
 
 from itertools import accumulate
 from statistics import NormalDist
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 from pydantic import model_validator
 
@@ -23,22 +23,17 @@ class BetweenBounds(DistributionKind):
         return self
 
 
-class Uniform(BetweenBounds):
+class Uniform(BetweenBounds, kind="uniform", rank=10):
     """Numbers spread evenly between two bounds."""
-
-    rank = 10
-    kind: Literal["uniform"] = "uniform"
 
     def quantile(self, share: float) -> float:
         """Return the number at a share of the way from the least to the greatest."""
         return self.low + share * (self.high - self.low)
 
 
-class LogUniform(BetweenBounds):
+class LogUniform(BetweenBounds, kind="log_uniform", rank=20):
     """Positive numbers with a logarithm spread evenly between two bounds."""
 
-    rank = 20
-    kind: Literal["log_uniform"] = "log_uniform"
     low: float = parameter(description="least value", gt=0.0)
     high: float = parameter(description="greatest value", gt=0.0)
 
@@ -47,11 +42,9 @@ class LogUniform(BetweenBounds):
         return float(self.low * (self.high / self.low) ** share)
 
 
-class Normal(DistributionKind):
+class Normal(DistributionKind, kind="normal", rank=30):
     """Normally distributed numbers; those beyond the bounds are not drawn."""
 
-    rank = 30
-    kind: Literal["normal"] = "normal"
     mean: float = parameter(description="mean before the cut")
     deviation: float = parameter(description="standard deviation before the cut", gt=0.0)
     low: float | None = parameter(None, "least value, none when left out")
@@ -80,11 +73,9 @@ class Normal(DistributionKind):
         return NormalDist(self.mean, self.deviation).inv_cdf(within)
 
 
-class OneOf(DistributionKind):
+class OneOf(DistributionKind, kind="choice", rank=40):
     """One of several values: numbers, names or tables."""
 
-    rank = 40
-    kind: Literal["choice"] = "choice"
     of: tuple[Drawn, ...] = parameter(description="the values, which may themselves be distributions", min_length=1)
     weights: tuple[float, ...] = parameter((), "how often each is drawn, in any unit; equally if left out")
 
@@ -102,11 +93,9 @@ class OneOf(DistributionKind):
         return self.of[sum(weight <= share * reached[-1] for weight in reached)]
 
 
-class Integers(BetweenBounds):
+class Integers(BetweenBounds, kind="integers", rank=50):
     """Whole numbers between two bounds, both included, equally often."""
 
-    rank = 50
-    kind: Literal["integers"] = "integers"
     low: int = parameter(description="least value")
     high: int = parameter(description="greatest value")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Protocol
+from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,11 +104,9 @@ class MaterialMap(Declaration):
         return self
 
 
-class Material(MaterialMap):
+class Material(MaterialMap, kind="uniform", rank=1):
     """One material: a name, and numbers that override those of the named material."""
 
-    rank = 1
-    kind: Literal["uniform"] = "uniform"
     name: str = parameter("medium_sand", "named material, whose values apply to all fields that are left out")
     diffuse: float | None = parameter(
         None, "share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)

@@ -19,11 +19,9 @@ NEAR = 1e-3  # relative change of the wave numbers of an oblique pattern, so tha
 WaveVector = tuple[float, float]
 
 
-class PatternMap(CompositeMap):
+class PatternMap(CompositeMap, kind="pattern", rank=4):
     """A regular pattern with known borders, for checks and figures."""
 
-    rank = 4
-    kind: Literal["pattern"] = "pattern"
     of: tuple[Material, ...] = parameter(description="materials of one period", min_length=2, max_length=32)
     shape: Literal["stripes", "checks", "waves"] = parameter(
         "stripes", "stripes and checks have sharp borders; waves blend from the first to the last and back"

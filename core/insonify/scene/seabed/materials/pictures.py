@@ -1,7 +1,7 @@
 """Maps of materials from files: pictures and measured backscatter."""
 
 from functools import partial
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,9 @@ LARGEST_SIDE = 16384  # cells of a map
 LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
 
 
-class ImageMap(CompositeMap):
+class ImageMap(CompositeMap, kind="image", rank=5):
     """A picture of the bed, north up, repeated from its lower left corner at (0, 0)."""
 
-    rank = 5
-    kind: Literal["image"] = "image"
     path: FilePath = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
     of: tuple[Material, ...] = parameter(
         description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
@@ -101,12 +99,10 @@ def _refusal(path: str, fault: str, remedy: str) -> SceneError:
     return SceneError(f"path: {path!r} {fault}; {remedy}")
 
 
-class BackscatterMap(CompositeMap):
+class BackscatterMap(CompositeMap, kind="backscatter", rank=6):
     """A raster of backscatter with map coordinates; pixels without a value take the nearest one."""
 
-    rank = 6
     on_a_map = True
-    kind: Literal["backscatter"] = "backscatter"
     path: FilePath = parameter(description="GeoTIFF of one band, with its coordinate reference system", min_length=1)
     of: tuple[Material, ...] = parameter(
         description="materials from the lowest to the highest values", min_length=2, max_length=32

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,12 +95,10 @@ class ReliefKind(Kind):
         """
 
 
-class Flat(ReliefKind):
+class Flat(ReliefKind, kind="flat", rank=10):
     """A level bed without relief."""
 
-    rank = 10
     level = True
-    kind: Literal["flat"] = "flat"
 
 
 class AddableRelief(ReliefKind):

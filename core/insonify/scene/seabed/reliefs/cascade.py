@@ -1,7 +1,6 @@
 """A multifractal bed."""
 
 import math
-from typing import Literal
 
 import numpy as np
 
@@ -10,14 +9,12 @@ from insonify.scene.seabed.reliefs.random_relief import RandomRelief, rms_height
 from insonify.scene.seabed.reliefs.spectrum import Field, PeriodicWaves
 
 
-class Cascade(RandomRelief):
+class Cascade(RandomRelief, kind="cascade", rank=60):
     """A multifractal: lognormal flux, cascading from the period down, integrated fractionally.
 
     Structure functions scale as ζ(q) = qH − C₁(q² − q) (Schertzer and Lovejoy 1987, α = 2).
     """
 
-    rank = 60
-    kind: Literal["cascade"] = "cascade"
     rms: float = rms_height()
     intermittency: float = parameter(
         0.15, "codimension C₁ of the mean flux; 0 is not multifractal", ge=0.0, le=1.0, slider=(0.0, 0.5)

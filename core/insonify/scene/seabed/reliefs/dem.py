@@ -17,12 +17,10 @@ SQUARE = 1e-6  # relative difference of spacings that still counts as square
 _read_grid = kept_until_changed(maxsize=2)(read_grid)
 
 
-class Dem(AddableRelief):
+class Dem(AddableRelief, kind="dem", rank=90):
     """A measured bed: a grid of heights from a file."""
 
-    rank = 90
     measured = True
-    kind: Literal["dem"] = "dem"
     path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
     positive: Literal["auto", "up", "down"] = parameter(
         "auto", "sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)", rare=True

@@ -19,12 +19,10 @@ Peak = tuple[float, float]
 HIGHEST_PEAK = 0.9  # share of the Nyquist frequency, on endless ground
 
 
-class Fractal(ExtendableRelief):
+class Fractal(ExtendableRelief, kind="fractal", rank=20):
     """Filtered noise with spectral peaks: Models 1 to 3 of the paper."""
 
-    rank = 20
     levels_off = True
-    kind: Literal["fractal"] = "fractal"
     beta: float | None = parameter(
         None,
         "amplitude exponent of the spectrum; larger is smoother (1.4 if left out)",

@@ -38,15 +38,13 @@ MEAN_OF = 1 << 14  # samples of a mean
 WIDTH = 4  # nodes along the track, along which the dunes are uniform
 
 
-class Mimic(ReliefKind):
+class Mimic(ReliefKind, kind="mimic", rank=95):
     """Dunes of one material with the same record as a level bed of stripes or waves, from one line and one height.
 
     The line is the x axis, the dunes lie along it, and the material is the seabed's own: its diffuse share must be
     the mean of the pattern's for the records to be equal.
     """
 
-    rank = 95
-    kind: Literal["mimic"] = "mimic"
     of: PatternMap = parameter(
         PatternMap(
             of=(Material(diffuse=0.3, specular=0.0), Material(diffuse=0.5, specular=0.0)), shape="waves", period=16.0

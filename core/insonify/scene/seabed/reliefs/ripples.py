@@ -1,7 +1,6 @@
 """Sand ripples."""
 
 import math
-from typing import Literal
 
 import numpy as np
 
@@ -23,12 +22,10 @@ FEWEST_CELLS = 3  # of one ripple
 FADE = 0.3  # share of the rms amplitude below which crests fade: they end at singularities of the phase
 
 
-class Ripples(ExtendableRelief):
+class Ripples(ExtendableRelief, kind="ripples", rank=50):
     """Crests of equal height that bend, fork and end: shaped from the phase of a narrow band of waves."""
 
-    rank = 50
     shaped = True
-    kind: Literal["ripples"] = "ripples"
     wavelength: float = metres(0.8, "mean distance from crest to crest", (0.3, 20.0), most=1e5)
     heading: float = angle("direction along the crests, counter-clockwise from east; 45T is 45° by the compass", 30.0)
     height: float = metres(0.08, "height from trough to crest", (0.005, 2.0), least=0.0, most=1e4)

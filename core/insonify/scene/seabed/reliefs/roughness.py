@@ -1,7 +1,7 @@
 """Roughness by its spectral density or its autocorrelation."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 
@@ -13,12 +13,10 @@ from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_
 REFERENCE_LENGTH = 0.01  # m, h₀
 
 
-class PowerLaw(ExtendableRelief):
+class PowerLaw(ExtendableRelief, kind="power_law", rank=30):
     """Roughness W(K) = w₂ (h₀K)^−γ₂ with h₀ = 1 cm, as measured over sediments (APL-UW TR 9407, II.A)."""
 
-    rank = 30
     levels_off = True
-    kind: Literal["power_law"] = "power_law"
     strength: float = parameter(
         0.0044,
         "spectral strength w₂ (fine sand 0.003, medium sand 0.0044, sandy gravel 0.013)",
@@ -48,11 +46,9 @@ class PowerLaw(ExtendableRelief):
         return (Band(self.density(self.period), 1.0 / self.period),)
 
 
-class VonKarman(ExtendableRelief):
+class VonKarman(ExtendableRelief, kind="von_karman", rank=40):
     """Lineated roughness that levels off at long waves (Goff and Jordan 1988)."""
 
-    rank = 40
-    kind: Literal["von_karman"] = "von_karman"
     rms: float = rms_height()
     across: float = metres(
         5.0, "wavelength across the crests beyond which the spectrum levels off, 2π/k_n", (0.5, 100.0), most=1e6
@@ -80,12 +76,10 @@ class VonKarman(ExtendableRelief):
         return (Band(self.density(), 1.0 / max(self.across, self.along)),)
 
 
-class Autocorrelated(ExtendableRelief):
+class Autocorrelated(ExtendableRelief, kind="autocorrelation", rank=70):
     """Isotropic roughness of a given autocorrelation (Wiener–Khinchin)."""
 
-    rank = 70
     gaussian = False
-    kind: Literal["autocorrelation"] = "autocorrelation"
     rms: float = rms_height()
     function: Annotated[AutocorrelationKind, KindOf(AUTOCORRELATIONS, default="exponential")] = parameter(
         ExponentialAutocorrelation, "autocorrelation of the heights over the lag"

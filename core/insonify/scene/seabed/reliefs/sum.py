@@ -1,6 +1,6 @@
 """Several reliefs on one bed."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import model_validator
 
@@ -11,11 +11,9 @@ from insonify.scene.seabed.reliefs import RELIEFS, AddableRelief, HeightGrid, Re
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 
 
-class SumOfReliefs(ReliefKind):
+class SumOfReliefs(ReliefKind, kind="sum", rank=80):
     """Several reliefs on one bed, independent of one another; one of them may be measured."""
 
-    rank = 80
-    kind: Literal["sum"] = "sum"
     of: tuple[Annotated[AddableRelief, KindOf(RELIEFS, AddableRelief, default="fractal")], ...] = parameter(
         description="the reliefs: all of the same period, or all endless; one may be a dem", min_length=1, max_length=16
     )

@@ -6,7 +6,7 @@ energies, 1 on the axis in the far field.
 
 import math
 from abc import abstractmethod
-from typing import ClassVar, Literal, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,12 +124,10 @@ class AimedBeam(BeamKind):
         return self.squint
 
 
-class GaussianBeam(AimedBeam):
+class GaussianBeam(AimedBeam, kind="gaussian", rank=30):
     """A bell-shaped beam without sidelobes."""
 
-    rank = 30
     caption = "gaussian {width:g}° {ways}"
-    kind: Literal["gaussian"] = "gaussian"
     width: float = parameter(
         1.0, "one-way full beamwidth to -3 dB", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
@@ -155,27 +153,23 @@ class GaussianBeam(AimedBeam):
         return np.exp2(-self.passes * (s / self._s_three_decibels) ** 2)
 
 
-class KnifeBeam(BeamKind):
+class KnifeBeam(BeamKind, kind="knife", rank=10):
     """A beam without width: a vertical plane across the track at any pitch of the towfish, 1 m wide by definition."""
 
-    rank = 10
     top_hat = True
     has_width = False
     caption = "knife-edge beam"
-    kind: Literal["knife"] = "knife"
 
     def half_width(self, conditions: BeamConditions) -> float:
         """Zero: the beam is a plane."""
         return 0.0
 
 
-class FanBeam(AimedBeam):
+class FanBeam(AimedBeam, kind="fan", rank=20):
     """A top-hat beam, one-way full width; the cell widens with range."""
 
-    rank = 20
     top_hat = True
     caption = "fan {width:g}°"
-    kind: Literal["fan"] = "fan"
     width: float = parameter(1.0, "one-way full beamwidth", "°", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True)
 
     def half_width(self, conditions: BeamConditions) -> float:

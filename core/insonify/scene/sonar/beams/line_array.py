@@ -20,13 +20,11 @@ TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are ne
 FAR = 0.4  # share of the range at which the width of the main lobe is measured
 
 
-class LineArray(AimedBeam):
+class LineArray(AimedBeam, kind="array", rank=40):
     """The beam of a line array, with its sidelobes and its near field, where it is wider than in the far field."""
 
-    rank = 40
     caption = "{taper} array of {length:g} m {ways}"
     by_frequency = True
-    kind: Literal["array"] = "array"
     length: float = metres(0.5, "length of the array along the towfish", (0.1, 2.0), most=20.0)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", "weight of the elements; a tapered array has lower sidelobes and a wider beam"

@@ -73,11 +73,9 @@ class TiltedBeam(VerticalBeamKind):
         return VerticalResponse("table", self.tilt)
 
 
-class UniformVerticalBeam(VerticalBeamKind):
+class UniformVerticalBeam(VerticalBeamKind, kind="uniform", rank=10):
     """Equal sensitivity at every grazing angle."""
 
-    rank = 10
-    kind: Literal["uniform"] = "uniform"
     caption = ""  # it changes nothing
 
 
@@ -96,17 +94,13 @@ class LobeBeam(TiltedBeam):
         return VerticalResponse(self.lobe, self.tilt, self.width)
 
 
-class VerticalFan(LobeBeam):
+class VerticalFan(LobeBeam, kind="fan", rank=20):
     """A vertical top-hat: full sensitivity within its width, none beyond."""
 
-    rank = 20
     lobe = "top_hat"
-    kind: Literal["fan"] = "fan"
 
 
-class VerticalGaussian(LobeBeam):
+class VerticalGaussian(LobeBeam, kind="gaussian", rank=30):
     """A bell-shaped vertical beam."""
 
-    rank = 30
     lobe = "gaussian"
-    kind: Literal["gaussian"] = "gaussian"

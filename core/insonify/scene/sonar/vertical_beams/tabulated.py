@@ -19,12 +19,10 @@ IN_ORDER = AfterValidator(partial(check_increasing, "angle"))
 FEWEST_COLUMNS, PER_LOBE = 1025, 32  # of the table of a transducer
 
 
-class VerticalArray(TiltedBeam):
+class VerticalArray(TiltedBeam, kind="array", rank=40):
     """The vertical beam of a transducer of given height, with its sidelobes."""
 
-    rank = 40
     by_frequency = True
-    kind: Literal["array"] = "array"
     height: float = metres(0.005, "height of the transducer", (0.001, 0.05), least=1e-4, most=0.25)
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", "weight over the height; a tapered transducer has lower sidelobes and a wider beam"
@@ -45,12 +43,10 @@ class VerticalArray(TiltedBeam):
         return np.asarray(np.abs(czt(taper_weights(self.taper), columns, step, np.exp(-1j * phase))) ** 2)
 
 
-class MeasuredVerticalBeam(TiltedBeam):
+class MeasuredVerticalBeam(TiltedBeam, kind="table", rank=50):
     """A vertical beam of measured levels, interpolated linearly."""
 
-    rank = 50
     caption = "measured vertical beam tilted {tilt:g}°"
-    kind: Literal["table"] = "table"
     levels: Annotated[tuple[tuple[Angle, Level], ...], IN_ORDER] = parameter(
         ((-60.0, -30.0), (-25.0, -3.0), (0.0, 0.0), (25.0, -3.0), (60.0, -30.0)),
         "pairs [angle below the axis in degrees, one-way level], ascending; the outermost apply beyond",

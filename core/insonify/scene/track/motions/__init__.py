@@ -75,11 +75,9 @@ class SingleMotion(MotionKind):
         return None
 
 
-class SumOfMotions(MotionKind):
+class SumOfMotions(MotionKind, kind="sum", rank=90):
     """Several motions at once."""
 
-    rank = 90
-    kind: Literal["sum"] = "sum"
     of: tuple[Annotated[SingleMotion, KindOf(MOTIONS, SingleMotion, default="straight")], ...] = parameter(
         description="the motions, in any order", min_length=1, max_length=32
     )
@@ -90,20 +88,16 @@ class SumOfMotions(MotionKind):
         return self.of
 
 
-class Straight(SingleMotion):
+class Straight(SingleMotion, kind="straight", rank=10):
     """A level tow at constant speed."""
 
-    rank = 10
     moves = False
     keeps_line = True
-    kind: Literal["straight"] = "straight"
 
 
-class Turn(SingleMotion):
+class Turn(SingleMotion, kind="turn", rank=70):
     """A turn: the line bends into an arc of a circle and then continues straight."""
 
-    rank = 70
-    kind: Literal["turn"] = "turn"
     rate: float = parameter(3.0, "rate of turn, to port if positive", "°/s", ge=-90.0, le=90.0, slider=(-10.0, 10.0))
     begin: float = parameter(
         10.0, "time from the first ping to the beginning of the turn", "s", ge=0.0, le=1e8, slider=(0.0, 60.0)

@@ -1,7 +1,7 @@
 """Sinusoidal motions, each along or about the axis that its kind names."""
 
 import math
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,57 +35,45 @@ class Oscillation(SingleMotion):
         return self.amplitude if self.kind == "heave" else 0.0
 
 
-class Surge(Oscillation):
+class Surge(Oscillation, kind="surge", rank=15):
     """Surge: the towfish speeds up and slows down along its line, so that pings lie closer or farther apart."""
 
-    rank = 15
-    kind: Literal["surge"] = "surge"
     amplitude: float = parameter(
         0.5, "greatest distance ahead of a tow at constant speed", "m", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
 
 
-class Sway(Oscillation):
+class Sway(Oscillation, kind="sway", rank=20):
     """Sway to port and starboard of the line; the towfish keeps its heading and crabs."""
 
-    rank = 20
-    kind: Literal["sway"] = "sway"
     amplitude: float = parameter(0.5, "greatest distance to port of the line", "m", ge=0.0, le=100.0, slider=(0.0, 5.0))
 
 
-class Heave(Oscillation):
+class Heave(Oscillation, kind="heave", rank=30):
     """Heave: the towfish rises and sinks."""
 
-    rank = 30
-    kind: Literal["heave"] = "heave"
     amplitude: float = parameter(
         0.5, "greatest rise above the track's own height", "m", ge=0.0, le=1000.0, slider=(0.0, 3.0)
     )
 
 
-class Yaw(Oscillation):
+class Yaw(Oscillation, kind="yaw", rank=40):
     """Yaw: the axis of the towfish turns to port and starboard of the line; the course stays."""
 
-    rank = 40
-    kind: Literal["yaw"] = "yaw"
     amplitude: float = parameter(2.0, "greatest turn of the axis to port", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
-class Pitch(Oscillation):
+class Pitch(Oscillation, kind="pitch", rank=50):
     """Pitch: the bow rises and sinks."""
 
-    rank = 50
     tilts = True
-    kind: Literal["pitch"] = "pitch"
     amplitude: float = parameter(2.0, "greatest angle of the bow upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0))
 
 
-class Roll(Oscillation):
+class Roll(Oscillation, kind="roll", rank=60):
     """Roll: the port side rises and sinks."""
 
-    rank = 60
     tilts = True
-    kind: Literal["roll"] = "roll"
     amplitude: float = parameter(
         3.0, "greatest angle of the port side upwards", "°", ge=0.0, le=60.0, slider=(0.0, 15.0)
     )

@@ -1,7 +1,5 @@
 """A recorded tow."""
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,12 +9,10 @@ from insonify.scene.base import FilePath, parameter
 from insonify.scene.track.motions import SingleMotion
 
 
-class Recorded(SingleMotion):
+class Recorded(SingleMotion, kind="recorded", rank=80):
     """Motion recorded in a file; quantities that the file lacks keep their declared values."""
 
-    rank = 80
     tilts = True
-    kind: Literal["recorded"] = "recorded"
     path: FilePath = parameter(
         description="CSV with a column time (s) and any of x, y, depth, altitude (m), compass (or heading from east), "
         "pitch, roll, longitude, latitude (°); a record (.nc), a recording (.xtf, .jsf) or a track (.gpx)",
