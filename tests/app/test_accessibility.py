@@ -88,19 +88,6 @@ def test_a_number_without_unit_says_so():
     assert number.about == "seed (no unit; 0 to 9)"
 
 
-def test_tab_reaches_every_control_in_view(viewer, qtbot):
-    window = viewer.window
-    activate(window, qtbot)
-    for panel in SIDE:
-        bring_to_front(window, panel)
-        wanted = {child for child in controls_of(window) if in_reach(child)}
-        kinds = {type(child).__name__ for child in wanted}
-        assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
-        reached = walk(window, qtbot)
-        assert [place_of(child) for child in wanted - reached] == []
-        assert all(accessible_name(child) for child in reached & wanted)
-
-
 def in_reach(widget: QWidget) -> bool:
     """Whether a control is shown and enabled."""
     return widget.isVisible() and widget.isEnabled() and not widget.visibleRegion().isNull()
@@ -240,7 +227,17 @@ def is_silent(widget: QWidget) -> bool:
     return isinstance(widget, QLabel) and not widget.text()
 
 
-def test_tab_reaches_every_control_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
+def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
+    window = viewer.window
+    activate(window, qtbot)
+    for panel in SIDE:
+        bring_to_front(window, panel)
+        wanted = {child for child in controls_of(window) if in_reach(child)}
+        kinds = {type(child).__name__ for child in wanted}
+        assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
+        reached = walk(window, qtbot)
+        assert [place_of(child) for child in wanted - reached] == []
+        assert all(accessible_name(child) for child in reached & wanted)
     activate(viewer.window, qtbot)
     for name in ("water", "lessons", "pixel", "comparison", "record"):
         viewer.window.open_panel(name)

@@ -70,7 +70,7 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qt
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
+def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(viewer, qtbot):
     def fail():
         raise KeyError("no such thing")
 
@@ -82,12 +82,10 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
     assert "in fail" in copied(viewer)
     assert viewer.session.settle({"track.altitude": 8.0})
     qtbot.waitUntil(lambda: viewer.complete)
-
-
-def test_a_file_that_is_damaged_is_no_fault_of_the_program_and_one_in_a_thread_is_told_once(viewer, qtbot):
+    # A file that is damaged is no fault of the program; one in a thread beside the window is told once.
     received = []
 
-    def fail():
+    def fail_in_thread():
         int(float("nan"))
 
     def refuse():
@@ -106,12 +104,12 @@ def test_a_file_that_is_damaged_is_no_fault_of_the_program_and_one_in_a_thread_i
         qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
     assert not printed
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        for errand in (refuse, fail, fail, lambda: 7, fail):
+        for errand in (refuse, fail_in_thread, fail_in_thread, lambda: 7, fail_in_thread):
             run(errand)
         assert received == [None, None, None, 7, None]
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
-        assert "in fail" in copied(viewer)
+        assert "in fail_in_thread" in copied(viewer)
 
 
 def test_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):

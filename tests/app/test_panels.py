@@ -102,8 +102,10 @@ def test_names_are_unique_and_the_order_is_stable(announce):
     assert names == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
-def test_an_announced_panel_is_a_tab_is_told_and_may_edit_the_scene(open_viewer, small, qtbot, announce):
-    announce(DummyPanel)
+def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit_the_scene(
+    open_viewer, small, qtbot, announce
+):
+    announce(DummyPanel, DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
     dock = viewer.window.findChild(QDockWidget, "dummy")
@@ -121,6 +123,19 @@ def test_an_announced_panel_is_a_tab_is_told_and_may_edit_the_scene(open_viewer,
     assert dummy.told[-1] == ("scene", 8.0, True)
     plans = dummy.counted("plan")
     qtbot.waitUntil(lambda: dummy.counted("plan") == plans + 1)
+    # One below and one in a window open by their buttons.
+    below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
+    actions = {action.text(): action for action in viewer.window.menus.view.actions()}
+    assert "Ctrl+Shift+D" in actions["Dummy"].toolTip()
+    assert not below.widget.isVisible()
+    actions["Dummy"].trigger()
+    assert below.widget.isVisible()
+    actions["Dummy"].trigger()
+    assert not below.widget.isVisible()
+    assert below.told[-2:] == [("opened", True), ("opened", False)]
+    actions["Window"].trigger()
+    assert window.widget.isVisible()
+    assert window.widget.isWindow()
     # It may edit the scene, and is told of the point under the mouse.
     viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
     assert viewer.session.scene.altitude == 7.0
@@ -137,23 +152,6 @@ def test_an_announced_panel_is_a_tab_is_told_and_may_edit_the_scene(open_viewer,
     qtbot.waitUntil(lambda: ("refused",) in dummy.told)
     viewer.window.close()
     assert dummy.told[-1] == ("closing",)
-
-
-def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer, small, announce):
-    announce(DummyBelow, DummyWindow)
-    viewer = open_viewer(small)
-    below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
-    actions = {action.text(): action for action in viewer.window.menus.view.actions()}
-    assert "Ctrl+Shift+D" in actions["Dummy"].toolTip()
-    assert not below.widget.isVisible()
-    actions["Dummy"].trigger()
-    assert below.widget.isVisible()
-    actions["Dummy"].trigger()
-    assert not below.widget.isVisible()
-    assert below.told[-2:] == [("opened", True), ("opened", False)]
-    actions["Window"].trigger()
-    assert window.widget.isVisible()
-    assert window.widget.isWindow()
 
 
 def test_a_snapshot_waits_for_every_panel(open_viewer, small, announce):

@@ -217,7 +217,9 @@ def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dra
     assert session.scene == one_box
 
 
-def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
+def test_a_click_on_a_handle_chooses_and_pins_and_one_of_the_last_scene_drags_nothing(
+    open_viewer, small, one_box, qtbot
+):
     viewer = open_viewer(one_box)
     record = viewer.window.waterfall
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
@@ -227,18 +229,9 @@ def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
     viewer.open(edit(one_box, {"targets.0.locked": True}))
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.targets.handles._handles == (), "locked targets stay"
-
-
-def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
-    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
-    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.targets.handles.chosen == 0
-
-
-def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qtbot):
+    # A handle of the last scene drags no other target.
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
-    viewer = open_viewer(edit(small, {"targets": [pipe]}))
+    viewer.open(edit(small, {"targets": [pipe]}))
     qtbot.waitUntil(lambda: viewer.complete)
     viewer.targets.handles.choose(0)
     thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
@@ -250,6 +243,13 @@ def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qt
             viewer.seabed.pulled.emit((x, -20.0, 0.0))
         viewer.seabed.released.emit()
     assert viewer.session.scene == before
+
+
+def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
+    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
+    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.targets.handles.chosen == 0
 
 
 def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):

@@ -36,9 +36,7 @@ def test_five_steps_lead_through_the_window_back_and_out(viewer, qtbot):
     assert viewer.window.rect().contains(tour.card.geometry())
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)
     assert tour.card is None
-
-
-def test_escape_leaves_the_tour(viewer, qtbot):
+    # Escape leaves it.
     window = viewer.window
     activate(window, qtbot)
     window.waterfall.setFocus()
