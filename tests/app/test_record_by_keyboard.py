@@ -47,10 +47,21 @@ def point(viewer, mark: Mark):
     assert viewer.session.mark == mark
 
 
-def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer):
+def test_keys_look_back_in_the_direction_of_the_wheel_and_every_ping_comes_under_the_cursor(viewer):
     for newest_on_top in (True, False):
         viewer.session.show(newest_on_top=newest_on_top)
         check_keys(viewer, newest_on_top)
+    # Every ping comes under the cursor.
+    viewer.session.show(newest_on_top=True)
+    marks = [press(viewer, Key.Key_Up) for _ in range(100)]
+    assert viewer.window.waterfall.top == 500, "the record goes no farther; the cursor does"
+    assert marks[0] is not None
+    pings = [mark.ping for mark in marks if mark is not None]
+    assert pings == [min(pings[0] + k, 500) for k in range(100)]
+    press(viewer, Key.Key_End, Modifier.ControlModifier)
+    marks = [press(viewer, Key.Key_Down) for _ in range(150)]
+    pings = [mark.ping for mark in marks if mark is not None]
+    assert pings == list(range(pings[0], -1, -1)), "back to the first ping"
     viewer.run(True)
     press(viewer, Key.Key_Down)
     assert "pause the tow" in viewer.window.status.sentence.text(), "a tow that runs says how to look back"
@@ -71,18 +82,6 @@ def check_keys(viewer, newest_on_top):
     assert viewer.window.waterfall.top == 127, "the first page"
     press(viewer, ends[1], Modifier.ControlModifier)
     assert viewer.window.waterfall.top == 500
-
-
-def test_every_ping_comes_under_the_cursor(viewer):
-    marks = [press(viewer, Key.Key_Up) for _ in range(100)]
-    assert viewer.window.waterfall.top == 500, "the record goes no farther; the cursor does"
-    assert marks[0] is not None
-    pings = [mark.ping for mark in marks if mark is not None]
-    assert pings == [min(pings[0] + k, 500) for k in range(100)]
-    press(viewer, Key.Key_End, Modifier.ControlModifier)
-    marks = [press(viewer, Key.Key_Down) for _ in range(150)]
-    pings = [mark.ping for mark in marks if mark is not None]
-    assert pings == list(range(pings[0], -1, -1)), "back to the first ping"
 
 
 def test_arrows_go_from_bin_to_bin_along_the_row_of_a_whole_and_a_zoomed_record(viewer):

@@ -40,7 +40,7 @@ def drag(viewer, path: str, *positions: int):
     return slider
 
 
-def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfall(viewer, qtbot):
+def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = drag(viewer, "track.altitude", 300)
@@ -54,6 +54,30 @@ def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfa
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
+    # Palette and gain change the colours.
+    waterfall = viewer.window.waterfall
+    copper = picture_of(waterfall).copy()
+    viewer.window.palettes.setCurrentText("pen")
+    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
+    pen = picture_of(waterfall).copy()
+    assert (copper != pen).any()
+    viewer.window.gain.setValue(100)
+    assert viewer.window._gain_text.text() == "10 dB"
+    assert (picture_of(waterfall) != pen).any()
+    viewer.find_levels()
+    assert (picture_of(waterfall) == pen).all()
+    # Port is left, and the newest ping on top.
+    amplitude = np.zeros((1, 2, 100), np.float32)
+    amplitude[0, 0, 99] = 50.0
+    waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
+    picture = picture_of(waterfall)
+    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
+    assert brightest[0] == 0
+    assert brightest[1] < picture.shape[1] // 50
+    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
+    assert waterfall.record is viewer.record
 
 
 def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
@@ -206,32 +230,6 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     assert "it acts beside noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
     viewer.session.settle({"receiver.noise": "ambient"})
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
-
-
-def test_palette_and_gain_change_the_colours_and_other_bins_and_pings_the_record(viewer, qtbot):
-    waterfall = viewer.window.waterfall
-    copper = picture_of(waterfall).copy()
-    viewer.window.palettes.setCurrentText("pen")
-    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
-    pen = picture_of(waterfall).copy()
-    assert (copper != pen).any()
-    viewer.window.gain.setValue(100)
-    assert viewer.window._gain_text.text() == "10 dB"
-    assert (picture_of(waterfall) != pen).any()
-    viewer.find_levels()
-    assert (picture_of(waterfall) == pen).all()
-    # Port is left, and the newest ping on top.
-    amplitude = np.zeros((1, 2, 100), np.float32)
-    amplitude[0, 0, 99] = 50.0
-    waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
-    picture = picture_of(waterfall)
-    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
-    assert brightest[0] == 0
-    assert brightest[1] < picture.shape[1] // 50
-    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
-    assert waterfall.record is viewer.record
 
 
 def test_one_ping_one_bin(open_viewer, small, qtbot):
