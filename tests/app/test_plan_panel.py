@@ -83,8 +83,9 @@ def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_
     # What cannot be done is said and taken back.
     viewer.open(edit(small, {"receiver.speckle": "coherent"}))
     wait(viewer, qtbot)
-    viewer.session.model(Modelling(forced=(("method", "rays"),)))
-    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling())
+    before = viewer.session.modelling
+    viewer.session.model(before.forcing("method", "rays"))
+    qtbot.waitUntil(lambda: viewer.session.modelling == before)
     assert "coherent" in viewer.window.status.sentence.text()
 
 
