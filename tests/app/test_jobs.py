@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from controls import accessible_name, activate
 from PIL import Image
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from insonify import simulate
 from insonify.commands.render import write
@@ -341,27 +341,3 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     )  # a button that is pressed by its letter is shown pressed for a moment
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
-
-
-def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):
-    """Through the dialog itself: its field has the keyboard, and Return saves."""
-    viewer = open_viewer(endless_work)
-    view = jobs_of(viewer)
-    activate(view, qtbot)
-    QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
-
-    def answer():
-        dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
-        # The keyboard may come to the dialog later than the dialog to the screen.
-        if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):
-            QTimer.singleShot(50, answer)
-            return
-        qtbot.keyClicks(focus(), str(tmp_path / "record.nc"))
-        qtbot.keyClick(focus(), Qt.Key.Key_Return)
-
-    QTimer.singleShot(50, answer)
-    press(qtbot, Qt.Key.Key_Return)
-    (job,) = viewer.jobs.jobs
-    assert job.result == tmp_path / "record.nc"
-    job.stop()
-    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
