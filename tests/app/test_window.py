@@ -55,6 +55,7 @@ def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(vie
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
     # Palette and gain change the colours.
+    viewer.find_levels()
     waterfall = viewer.window.waterfall
     copper = picture_of(waterfall).copy()
     viewer.window.palettes.setCurrentText("pen")
