@@ -34,7 +34,7 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     assert kept._surface is None
 
 
-def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
+def test_no_worker_collects_what_belongs_to_a_window_and_a_scene_frees_the_one_before(viewer, small, qtbot):
     part, ends, done = QObject(), [], []
     part.itself = part
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
@@ -45,6 +45,14 @@ def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
     qtbot.waitUntil(lambda: bool(ends))
     assert kept
     assert ends == [threading.main_thread()]
+    # Opening a scene frees what the one before held.
+    part = QObject()
+    part.itself = part
+    gc.collect()  # so that only a full collection finds it
+    gone = weakref.ref(part)
+    del part
+    viewer.open(edit(small, {"seed": 7}))
+    qtbot.waitUntil(lambda: viewer.complete and gone() is None)
 
 
 def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
@@ -64,16 +72,6 @@ def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
     assert viewer.window.close()
     assert viewer.simulator._lane._thread.is_alive()
     going.set()
-
-
-def test_opening_a_scene_frees_what_the_one_before_held(open_viewer, small, qtbot):
-    viewer, part = open_viewer(small), QObject()
-    part.itself = part
-    gc.collect()  # so that only a full collection finds it
-    gone = weakref.ref(part)
-    del part
-    viewer.open(edit(small, {"seed": 7}))
-    qtbot.waitUntil(lambda: viewer.complete and gone() is None)
 
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])

@@ -65,7 +65,8 @@ def spacings_of_dragged(viewer, qtbot, changes: dict[str, Any]) -> list[tuple[bo
 
 
 def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):
-    scene = edit(load_scene("endless"), {"sonar.bins": 100, "sonar.range": 20.0, "track.pings": 64, "seed": 78})
+    few = {"sonar.bins": 100, "sonar.range": 20.0, "track.pings": 64, "seabed.spacing": 0.4}
+    scene = edit(load_scene("endless"), few | {"seabed.relief.of.1.wavelength": 8.0, "seed": 78})
     viewer = open_viewer(scene, prepare=None)
     grounds = []
     viewer.simulator.answered.connect(lambda answer: grounds.append(answer.simulation.ground))

@@ -12,18 +12,6 @@ from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.window.settings import RECENT, Settings
 
 
-def test_a_scene_is_dropped(open_viewer, small, tmp_path):
-    path = tmp_path / "other.toml"
-    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
-    viewer = open_viewer(small)
-    for name in ("default", "pipe-on-bed"):
-        viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
-        assert Settings().recent == [], "one that comes with the program is not among them"
-    drop(viewer.window, path)
-    assert viewer.session.scene.track.altitude == 6.5
-    assert viewer.session.file == str(path)
-
-
 def said(viewer) -> str:
     return str(viewer.window.status.sentence.text())
 
@@ -189,6 +177,15 @@ def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer, small, tmp
     menu.fill()
     next(action for action in menu.actions() if action.text() == "Clear the list").trigger()
     assert Settings().recent == []
+    # Bundled scenes are not among them.
+    path = tmp_path / "other.toml"
+    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
+    for name in ("default", "pipe-on-bed"):
+        viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
+        assert Settings().recent == [], "one that comes with the program is not among them"
+    drop(viewer.window, path)
+    assert viewer.session.scene.track.altitude == 6.5
+    assert viewer.session.file == str(path)
 
 
 def test_the_list_has_an_end(tmp_path):

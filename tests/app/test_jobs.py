@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from controls import accessible_name, activate
 from PIL import Image
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from insonify import simulate
 from insonify.commands.render import write
@@ -254,6 +254,29 @@ def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(op
     qtbot.waitUntil(view.isVisible)
     older.stop()
     qtbot.waitUntil(lambda: not older.running)
+    # Keys go from job to job in the order in which they stand.
+    view.forget.click()
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs)
+    activate(view, qtbot)
+    for title in ("first", "second", "third"):
+        begin_waiting(viewer, title)
+    first, second, third = view.rows
+    qtbot.waitUntil(first.isVisible)
+    view.forget.setFocus()
+    order = []
+    for _ in range(6):
+        press(qtbot, Qt.Key.Key_Tab)
+        order.append(focus())
+    assert order == [third, third.stop, second, second.stop, first, first.stop]
+    first.setFocus()
+    press(qtbot, Qt.Key.Key_Up)
+    assert focus() is second
+    press(qtbot, Qt.Key.Key_Delete)
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
+    assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
+    for job in viewer.jobs.running:
+        job.stop()
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
 
 
 def focus() -> QWidget:
@@ -318,51 +341,3 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     )  # a button that is pressed by its letter is shown pressed for a moment
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
-
-
-def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(viewer, qtbot):
-    view = jobs_of(viewer)
-    activate(view, qtbot)
-    for title in ("first", "second", "third"):
-        begin_waiting(viewer, title)
-    first, second, third = view.rows
-    qtbot.waitUntil(first.isVisible)
-    view.forget.setFocus()
-    order = []
-    for _ in range(6):
-        press(qtbot, Qt.Key.Key_Tab)
-        order.append(focus())
-    assert order == [third, third.stop, second, second.stop, first, first.stop]
-    first.setFocus()
-    press(qtbot, Qt.Key.Key_Up)
-    assert focus() is second
-    press(qtbot, Qt.Key.Key_Delete)
-    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
-    assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
-    for job in viewer.jobs.running:
-        job.stop()
-    qtbot.waitUntil(lambda: not viewer.jobs.running)
-
-
-def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):
-    """Through the dialog itself: its field has the keyboard, and Return saves."""
-    viewer = open_viewer(endless_work)
-    view = jobs_of(viewer)
-    activate(view, qtbot)
-    QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
-
-    def answer():
-        dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
-        # The keyboard may come to the dialog later than the dialog to the screen.
-        if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):
-            QTimer.singleShot(50, answer)
-            return
-        qtbot.keyClicks(focus(), str(tmp_path / "record.nc"))
-        qtbot.keyClick(focus(), Qt.Key.Key_Return)
-
-    QTimer.singleShot(50, answer)
-    press(qtbot, Qt.Key.Key_Return)
-    (job,) = viewer.jobs.jobs
-    assert job.result == tmp_path / "record.nc"
-    job.stop()
-    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)

@@ -211,28 +211,23 @@ def shown(page) -> tuple[bool, bool]:
 
 
 @pytest.mark.usefixtures("asking")
-@pytest.mark.parametrize("first", ["answer", "move"])
-def test_the_explanation_waits_for_an_answer_and_the_move(first, open_viewer, small, qtbot):
+def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page = panel.view.page
-    assert page.ask.isVisible()
-    assert shown(page) == (False, False)
-    assert not page.reveal.isVisible()
     actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
-    for action in actions if first == "answer" else reversed(actions):
-        assert shown(page) == (False, False)
-        action()
-    assert shown(page) == (True, True)
-    assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
-    assert not page.ask.number.isEnabled()
-    viewer.session.settle({"sonar.range": 70.0})
-    assert "118 m" in page.verdict.text(), "it is judged once"
-
-
-@pytest.mark.usefixtures("asking")
-def test_a_prediction_is_judged_on_the_scene_with_the_move(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
-    page = panel.view.page
+    for order in (actions, actions[::-1]):
+        assert page.ask.isVisible()
+        assert not page.reveal.isVisible()
+        for action in order:
+            assert shown(page) == (False, False)
+            action()
+        assert shown(page) == (True, True)
+        assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
+        assert not page.ask.number.isEnabled()
+        viewer.session.settle({"sonar.range": 70.0})
+        assert "118 m" in page.verdict.text(), "it is judged once"
+        panel.start("range")
+        qtbot.waitUntil(lambda: viewer.complete)
     viewer.session.settle({"track.altitude": 20.0})  # her own scene
     page.ask.number.setText("113")
     page.ask.number.returnPressed.emit()

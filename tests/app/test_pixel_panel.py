@@ -166,7 +166,7 @@ def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
     return x, y
 
 
-def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(viewer, qtbot):
+def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_share_their_room(viewer, qtbot):
     picked, lit = [], []
     viewer.inspection.picked.connect(picked.append)
     viewer.inspection.lit.connect(lit.append)
@@ -181,6 +181,14 @@ def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(vi
         assert "from this place" in viewer.window.status.sentence.text()
     viewer.inspection.pick((6.0, -31.0, 0.0))
     qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
+    # Rays and budget share their room.
+    window = viewer.window
+    for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
+        window.open_panel(name)
+        shown, behind = (viewer.panels[each].view for each in (name, other))
+        qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
+        assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
+        assert behind.visibleRegion().isEmpty()
 
 
 def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, qtbot):
@@ -220,16 +228,6 @@ def test_a_small_window_stays_usable_and_its_budget_elides_nothing(viewer, qtbot
             assert f"color:{ACCENT.name()}" in budget.toHtml()
     finally:
         apply_theme(qapp)
-
-
-def test_rays_and_budget_share_their_room(viewer, qtbot):
-    window = viewer.window
-    for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
-        window.open_panel(name)
-        shown, behind = (viewer.panels[each].view for each in (name, other))
-        qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
-        assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
-        assert behind.visibleRegion().isEmpty()
 
 
 def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(open_viewer, small, qtbot, monkeypatch):

@@ -241,7 +241,7 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record_and_looks_back(viewer):
     assert view.top == pytest.approx(top - pings / 2, abs=3)
 
 
-def test_the_picture_follows_the_options(viewer):
+def test_the_picture_follows_the_options_upside_down_and_saved_as_well(viewer, tmp_path, monkeypatch):
     view = viewer.window.waterfall
     upright = picture_of(view).copy()
     viewer.session.show(side="port")
@@ -258,10 +258,7 @@ def test_the_picture_follows_the_options(viewer):
     half = upright.shape[1] // 2
     assert (picture_of(view)[:, : half - 2] == upright[:, : half - 2]).all()
     assert (picture_of(view)[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
-
-
-def test_newest_below_is_the_picture_upside_down(viewer):
-    view = viewer.window.waterfall
+    # Newest below is the picture upside down.
     viewer.session.show(scale="fill")
     viewer.look_back(37)  # so that the ring begins in its middle
     plot = view.plot_area
@@ -272,9 +269,8 @@ def test_newest_below_is_the_picture_upside_down(viewer):
     pictures = [each.convertToFormat(each.Format.Format_RGB32) for each in (upright, turned)]  # which own their bytes
     a, b = (np.frombuffer(each.constBits(), np.uint8).astype(int) for each in pictures)
     assert np.abs(a - b).mean() < 2.0
-
-
-def test_options_reach_a_recording_and_its_saved_picture(viewer, tmp_path, monkeypatch):
+    # Options reach a recording and its saved picture.
+    viewer.session.show(newest_on_top=True, scale="fit", side_gains=(0.0, 0.0))
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
     for view in (viewer.window.waterfall, viewer.window.record_a):
         assert view._look == viewer.session.display

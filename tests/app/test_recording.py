@@ -50,14 +50,6 @@ def open_recording(viewer, path, qtbot) -> Recording:
     return recording
 
 
-def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot, tmp_path):
-    cut = tmp_path / "cut.xtf"
-    cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
-    with reported_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
-        assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
-    assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
-
-
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(
     viewer, folder, tmp_path, qtbot
 ):
@@ -85,6 +77,12 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is
         row = viewer.window.record_a.record.rows(np.array([ping]))[0]
         expected = np.concatenate([recording.amplitude[ping, 0, ::-1], recording.amplitude[ping, 1]])
         np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
+    # What a cut recording lacks is said.
+    cut = tmp_path / "cut.xtf"
+    cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
+    with reported_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
+        assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
+    assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
 def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot):
@@ -105,7 +103,9 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot)
     assert viewer.complete
 
 
-def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, qtbot, monkeypatch):
+def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navigation(
+    viewer, folder, qtbot, monkeypatch
+):
     for name in ("record.xtf", "record.nc"):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, name=name: (str(folder / name), ""))
         for way in (lambda name=name: drop(viewer.window, folder / name), viewer.window.open_recording.trigger):
@@ -114,6 +114,28 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, qtbot, 
             qtbot.waitUntil(lambda before=before: viewer.recordings.recording is not before)
             assert viewer.recordings.recording.path.name == name
             qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    # A point tells navigation.
+    recording = viewer.recordings.recording
+    view = viewer.window.record_a
+    mark = Mark(250, 1, 200)
+    QTest.mouseMove(view, view.place_of(mark))
+    qtbot.waitUntil(lambda: "slant range" in viewer.panels["comparison"].view.point.rows)
+    told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows.items()}
+    ping = int(told["ping"].split()[0])
+    assert abs(ping - mark.ping) <= 2
+    assert told["ping"] == f"{ping} of {PINGS}"
+    assert told["slant range"].endswith(" m, starboard")
+    assert told["position"] == f"x {ping * STEP:.1f} m, y 0.0 m"
+    assert told["heading"] == "90.0°", "along +x is east"
+    assert told["altitude"] == f"{recording.dataset['platform_altitude'].values[ping]:.2f} m"
+    assert float(told["slant range"].split()[0]) == pytest.approx(200.5 * RANGE / BINS, abs=3 * RANGE / BINS)
+    assert told["time"] == f"{ping / 10.0:.2f} s"
+    assert told["level"].endswith("dB re median")
+    line = viewer.panels["readout"].widget.text()
+    assert line.startswith(f"recorded ping {ping}  ·  slant {told['slant range']}")
+    assert "heading 90.0°" in line
+    QTest.mouseMove(view, QPoint(2, view.height() // 2))
+    qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
 def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
@@ -152,30 +174,6 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, fol
     assert shown.rows["ping"] == (f"57 of {PINGS}",)
 
 
-def test_a_point_tells_navigation(viewer, folder, qtbot):
-    recording = open_recording(viewer, folder / "record.nc", qtbot)
-    view = viewer.window.record_a
-    mark = Mark(250, 1, 200)
-    QTest.mouseMove(view, view.place_of(mark))
-    qtbot.waitUntil(lambda: "slant range" in viewer.panels["comparison"].view.point.rows)
-    told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows.items()}
-    ping = int(told["ping"].split()[0])
-    assert abs(ping - mark.ping) <= 2
-    assert told["ping"] == f"{ping} of {PINGS}"
-    assert told["slant range"].endswith(" m, starboard")
-    assert told["position"] == f"x {ping * STEP:.1f} m, y 0.0 m"
-    assert told["heading"] == "90.0°", "along +x is east"
-    assert told["altitude"] == f"{recording.dataset['platform_altitude'].values[ping]:.2f} m"
-    assert float(told["slant range"].split()[0]) == pytest.approx(200.5 * RANGE / BINS, abs=3 * RANGE / BINS)
-    assert told["time"] == f"{ping / 10.0:.2f} s"
-    assert told["level"].endswith("dB re median")
-    line = viewer.panels["readout"].widget.text()
-    assert line.startswith(f"recorded ping {ping}  ·  slant {told['slant range']}")
-    assert "heading 90.0°" in line
-    QTest.mouseMove(view, QPoint(2, view.height() // 2))
-    qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
-
-
 @pytest.mark.parametrize(("own", "compass"), [(0.0, 90.0), (90.0, 0.0), (-45.0, 135.0), (180.0, 270.0), (113.3, 336.7)])
 def test_headings_are_those_of_the_compass(own, compass):
     assert compass_heading(own) == pytest.approx(compass)
@@ -197,7 +195,9 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert viewer.recordings.recording is recording
 
 
-def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monkeypatch):
+def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_narrow_window(
+    viewer, folder, qtbot, monkeypatch
+):
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -216,6 +216,18 @@ def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monke
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     assert viewer.recordings.recording.path.suffix == ".nc"
     assert viewer.window.record_a.waiting is None
+    # In a narrow window the records take the room.
+    window = viewer.window
+    window.resize(1600, 900)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    window.resize(880, 600)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
+    _, recorded, simulated = window._splitter.sizes()
+    assert abs(simulated - recorded) <= 2
+    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
+    window.resize(1600, 900)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, qtbot):
@@ -329,20 +341,6 @@ def test_learning_that_is_stopped_or_has_too_little_bed_leaves_nothing(viewer, f
     assert "pings" in viewer.window.status.sentence.text()
     assert viewer.session.scene is scene
     assert not (tmp_path / "learned.toml").exists()
-
-
-def test_in_a_narrow_window_the_records_take_the_room(viewer, folder, qtbot):
-    window = viewer.window
-    window.resize(1600, 900)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
-    window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
-    assert abs(simulated - recorded) <= 2
-    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
-    window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):

@@ -40,7 +40,7 @@ def drag(viewer, path: str, *positions: int):
     return slider
 
 
-def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfall(viewer, qtbot):
+def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = drag(viewer, "track.altitude", 300)
@@ -54,6 +54,31 @@ def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfa
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
+    # Palette and gain change the colours.
+    viewer.find_levels()
+    waterfall = viewer.window.waterfall
+    copper = picture_of(waterfall).copy()
+    viewer.window.palettes.setCurrentText("pen")
+    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
+    pen = picture_of(waterfall).copy()
+    assert (copper != pen).any()
+    viewer.window.gain.setValue(100)
+    assert viewer.window._gain_text.text() == "10 dB"
+    assert (picture_of(waterfall) != pen).any()
+    viewer.find_levels()
+    assert (picture_of(waterfall) == pen).all()
+    # Port is left, and the newest ping on top.
+    amplitude = np.zeros((1, 2, 100), np.float32)
+    amplitude[0, 0, 99] = 50.0
+    waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
+    picture = picture_of(waterfall)
+    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
+    assert brightest[0] == 0
+    assert brightest[1] < picture.shape[1] // 50
+    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
+    assert waterfall.record is viewer.record
 
 
 def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
@@ -85,7 +110,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(viewer, qtbot):
+def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_the_targets_leave(viewer, small, qtbot):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
@@ -100,9 +125,7 @@ def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(v
     qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129)
     viewer.window.pause.trigger()
     assert not viewer.tow.running
-
-
-def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
+    # The tow pauses once before the targets leave.
     viewer.tow.speed = 16.0
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running)
@@ -210,32 +233,6 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 
 
-def test_palette_and_gain_change_the_colours_and_other_bins_and_pings_the_record(viewer, qtbot):
-    waterfall = viewer.window.waterfall
-    copper = picture_of(waterfall).copy()
-    viewer.window.palettes.setCurrentText("pen")
-    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
-    pen = picture_of(waterfall).copy()
-    assert (copper != pen).any()
-    viewer.window.gain.setValue(100)
-    assert viewer.window._gain_text.text() == "10 dB"
-    assert (picture_of(waterfall) != pen).any()
-    viewer.find_levels()
-    assert (picture_of(waterfall) == pen).all()
-    # Port is left, and the newest ping on top.
-    amplitude = np.zeros((1, 2, 100), np.float32)
-    amplitude[0, 0, 99] = 50.0
-    waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
-    picture = picture_of(waterfall)
-    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
-    assert brightest[0] == 0
-    assert brightest[1] < picture.shape[1] // 50
-    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
-    assert waterfall.record is viewer.record
-
-
 def test_one_ping_one_bin(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
     viewer.window.resize(880, 520)
@@ -244,7 +241,7 @@ def test_one_ping_one_bin(open_viewer, small, qtbot):
     assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
-def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
+def test_nothing_is_black_in_the_water_above_and_the_picture_is_saved(open_viewer, small, tmp_path, qtbot):
     viewer = open_viewer(small, solid=True)
 
     def is_water():
@@ -254,10 +251,7 @@ def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
 
     qtbot.wait(200)
     qtbot.waitUntil(is_water)
-
-
-def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
-    viewer = open_viewer(small)
+    # A picture is saved whole or not at all.
     save_picture(viewer.window, tmp_path / "w.png")
     assert (tmp_path / "w.png").stat().st_size > 10_000
     with pytest.raises(OSError, match="No such file"):
