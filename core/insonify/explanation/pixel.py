@@ -280,7 +280,8 @@ def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> lis
     if not contributions:
         return []
     first, light = contributions[0], parts.arrays.law == LIGHT
-    normal = normal_strength(parts.arrays.reflectivity[first.row], light=light) if first.row >= 0 else 0.0
+    diffuse, specular, shininess = parts.arrays.reflectivity[first.row].tolist() if first.row >= 0 else (0.0, 0.0, 0.0)
+    normal = diffuse + specular if light else (diffuse + specular * (shininess + 2.0) / 2.0) / math.pi
     terms = echo_terms(first.parts, normal, light=light)
     material, frequency = find_material(parts.simulation.scene, first.row), parts.simulation.scene.sonar.frequency
     if material is not None and not light:
@@ -296,12 +297,6 @@ def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> lis
 def decibels(ratio: float) -> float:
     """Decibels of a ratio of powers; minus infinity for 0."""
     return 10.0 * math.log10(ratio) if ratio > 0.0 else SILENCE
-
-
-def normal_strength(reflectivity: Column, *, light: bool) -> float:
-    """Scattering strength of a material at normal incidence."""
-    diffuse, specular, shininess = (float(number) for number in reflectivity)
-    return diffuse + specular if light else (diffuse + specular * (shininess + 2.0) / 2.0) / math.pi
 
 
 def echo_terms(parts: EchoParts, normal: float, *, light: bool) -> list[Term]:
@@ -327,8 +322,10 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     gain = np.average(local.gain, weights=b_area)
     strength = echo / (b_area * local.gain).sum()
     incidence = math.degrees(math.acos(min(float(np.average(local.cosine, weights=local.value)), 1.0)))
+    azimuth = math.degrees(np.average(local.azimuth, weights=local.echo))
+    way = "athwart" if abs(azimuth) < 0.005 else f"{abs(azimuth):.2f}° towards the {'bow' if azimuth > 0 else 'stern'}"
     terms = [
-        Term("beam along the track", decibels(beam / by_vertical), _off_axis(local)),
+        Term("beam along the track", decibels(beam / by_vertical), way),
         Term(
             "beam vertically",
             decibels(by_vertical),
@@ -342,12 +339,6 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     area = b_area.sum() / beam
     of_area = Term("share of the bin", decibels(area), f"{area:.3g} of beam and bin")
     return [*terms, of_area if light else Term("area", decibels(area), f"{area:.3g} m² in the pixel")]
-
-
-def _off_axis(parts: EchoParts) -> str:
-    """Direction of the echo from athwart, in words."""
-    azimuth = math.degrees(np.average(parts.azimuth, weights=parts.echo))
-    return "athwart" if abs(azimuth) < 0.005 else f"{abs(azimuth):.2f}° towards the {'bow' if azimuth > 0 else 'stern'}"
 
 
 def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int, pixel: int) -> list[Term]:

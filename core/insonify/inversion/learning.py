@@ -157,7 +157,9 @@ class Matching:
             return replace(candidate, bed=candidate.bed.scaled(step * level_difference(self._recorded, simulated)))
         vertical = candidate.vertical
         if vertical is not None:
-            vertical = correct_beam(vertical, self._recorded, simulated, self._scene.sonar.beam.passes)
+            angles, wanted = self._recorded.level.angles, self._recorded.level.by_angle
+            own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
+            vertical = _added(vertical, angles, (wanted - own) / self._scene.sonar.beam.passes)
         gains = correct_gains(candidate.gains, self._recorded, simulated)
         return replace(candidate, gains=gains, vertical=vertical)
 
@@ -208,13 +210,6 @@ def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> 
     first = int(np.searchsorted(recorded.slant_range, recorded.altitude.min()))
     places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
     return _added(gains, places.astype(np.float64), ratio[places])
-
-
-def correct_beam(levels: Pairs, recorded: SoundedBed, simulated: SoundedBed, passes: int) -> Pairs:
-    """One-way levels in dB of a vertical beam by the angle below the horizontal, corrected in the same way."""
-    angles = recorded.level.angles
-    own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
-    return _added(levels, angles, (recorded.level.by_angle - own) / passes)
 
 
 def _added(pairs: Pairs, places: NDArray[np.float64], more: NDArray[np.float64]) -> Pairs:

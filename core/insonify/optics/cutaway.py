@@ -80,7 +80,10 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     beneath = float(np.nan_to_num(optical.ground.height_at(lamp[:1], lamp[1:2])[0]))
     points = _target_points(arrays.solids, arrays.mesh)
     if len(points):
-        sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
+        # Shadows of the points on a level bed, within the range of the sonar.
+        risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
+        tips = lamp + (points - lamp) / (1.0 - risen)
+        sides = np.vstack([lamp, points, tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]]) @ axes[:2].T
     else:
         swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
         sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
@@ -131,13 +134,6 @@ def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
     wide = np.tile(np.maximum(solids.radius, solids.radius + solids.taper * solids.length), 2)[:, None]
     around = [ends + wide * way for way in (*np.eye(3), *-np.eye(3))]
     return np.concatenate([*around, mesh.corners.reshape(-1, 3)])
-
-
-def _shadow_tips(points: Vectors, lamp: Vectors, beneath: float, reach: float) -> Vectors:
-    """Shadows of points on a level bed, within the range of the sonar."""
-    risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
-    tips = lamp + (points - lamp) / (1.0 - risen)
-    return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
 def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:

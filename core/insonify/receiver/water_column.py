@@ -56,7 +56,10 @@ class WaterColumn(Stage):
     @classmethod
     def prepare(cls, setup: ReceiverSetup) -> WaterColumn | None:
         """None where nothing but the bed and targets echoes."""
-        volumes = _make_volume_echoes(setup)
+        scene, ground, volumes = setup.scene, setup.ground, None
+        if scene.volumes and ground is not None:
+            points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
+            volumes = VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
         water = _reverberation(setup).astype(np.float32)
         reverberation = spread_echoes(setup.taps, water[None, None])[0, 0].astype(np.float64)
         return cls(reverberation, setup.taps, volumes) if volumes is not None or reverberation.any() else None
@@ -86,14 +89,6 @@ def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Cur
     if declared.of_surface is not None:
         echo = power(declared.of_surface) * surface_echo(setup.arrays, setup.depth)
         yield "surface reverberation", declared.of_surface, echo
-
-
-def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:
-    scene, ground = setup.scene, setup.ground
-    if not scene.volumes or ground is None:
-        return None
-    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
-    return VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
 
 
 def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:

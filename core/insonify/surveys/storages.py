@@ -4,7 +4,7 @@ import io
 import json
 import tarfile
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -91,8 +91,10 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
             for tile in tiles:
                 tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.told['name']}.png"
-                for name, content in _archived(tile):
-                    entry = tarfile.TarInfo(name)
+                members = {".mask" * (of == MASKS) + suffix: held for of, (suffix, held) in _members(tile).items()}
+                # WebDataset groups members up to the first dot.
+                for ending, content in (members | {".json": json.dumps(tile.told).encode()}).items():
+                    entry = tarfile.TarInfo(tile.told["name"] + ending)
                     entry.size, entry.mode = len(content), 0o644
                     archive.addfile(entry, io.BytesIO(content))
 
@@ -144,14 +146,6 @@ def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:
     """Suffix and content of all files of a tile, by folder: image, mask, annotations."""
     pictures = {IMAGES: tile.image, MASKS: tile.mask}
     return {beside: (".png", _encode(pixels)) for beside, pixels in pictures.items()} | tile.labels
-
-
-def _archived(tile: Tile) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the members of an archive for a tile; WebDataset groups them up to the first dot."""
-    endings = {IMAGES: "", MASKS: ".mask"}
-    for folder, (suffix, content) in _members(tile).items():
-        yield f"{tile.told['name']}{endings.get(folder, '')}{suffix}", content
-    yield f"{tile.told['name']}.json", json.dumps(tile.told).encode()
 
 
 def _encode(pixels: Pixels) -> bytes:

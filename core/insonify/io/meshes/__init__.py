@@ -56,7 +56,9 @@ def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     surface = _components(first, second, n)
     flipped = _flips(first, second, alike, surface)
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
-    inside_out = _volumes(wound, surface) < 0.0
+    # Signed volumes, summed over tetrahedra from the centroid.
+    a, b, c = np.moveaxis(wound - wound.mean(axis=(0, 1)), 1, 0)
+    inside_out = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) < 0.0
     inside_out &= np.bincount(surface[first], minlength=inside_out.size) * 2 == np.bincount(surface) * 3  # closed
     return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
 
@@ -101,9 +103,3 @@ def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> 
 
     links = coo_array((np.ones(first.size, np.int8), (first, second)), shape=(n, n))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
-
-
-def _volumes(corners: NDArray[np.float64], surface: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Signed volume of each surface, summed over tetrahedra from the centroid."""
-    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
-    return np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) / 6.0

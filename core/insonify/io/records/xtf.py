@@ -72,7 +72,9 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
     """Yield the pings with a side-scan channel, packet by packet."""
     from pyxtf import XTFPacketStart, XTFPingHeader
 
-    at = BLOCK * max(1, -(-_channels(header) // 6))
+    kinds = ("SonarChannels", "BathymetryChannels", "SnippetChannels", "EchoStrengthChannels", "InterferometryChannels")
+    channels = sum(int(getattr(header, f"NumberOf{kind}")) for kind in (*kinds, "ForwardLookArrays"))
+    at = BLOCK * max(1, -(-channels // 6))  # the header is as long as these need
     smallest, whole = ctypes.sizeof(XTFPacketStart), 0
     while at < content.size:
         start = content[at : at + smallest]
@@ -94,13 +96,6 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
                 whole += 1
                 yield found
         at += packet.NumBytesThisRecord
-
-
-def _channels(header: Any) -> int:
-    """Count the channels of all kinds, which determine the length of the header."""
-    kinds = ("Sonar", "Bathymetry", "Snippet", "EchoStrength", "Interferometry")
-    arrays = int(header.NumberOfForwardLookArrays)
-    return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
 
 
 def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:

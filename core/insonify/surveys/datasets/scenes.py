@@ -128,7 +128,9 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
                 told = strange.replace("targets.0.", prefix, 1) if prefix else strange
                 raise SceneError(f"set: {told} is not a field of a scene; correct its name")
     faults = []
-    negative = _first_negative(specification)
+    # The first scene without targets of a class, 0 if there is none among the first hundred.
+    shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
+    negative = next((number for number, share in enumerate(shares) if share < specification.negatives), 0)
     for part in range(PARTS):
         share = (part + 0.5) / PARTS
         for name, model in (("chips", Chips), ("picture", Picture)):
@@ -139,12 +141,6 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
             faults.append(fault)
     if len(faults) == PARTS:
         raise faults[0]
-
-
-def _first_negative(specification: DatasetSpecification) -> int:
-    """Return the first scene without targets of a class, 0 if there is none among the first hundred."""
-    shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
-    return next((number for number, share in enumerate(shares) if share < specification.negatives), 0)
 
 
 def _paths(path: str, declared: Any) -> Iterator[str]:
