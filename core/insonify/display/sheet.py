@@ -82,7 +82,11 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     for block in blocks:
         axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
-        _add_rows(rows, counts, numbers // together, _columns(block, numbers, relative, columns, axis, look))
+        upwards = (numbers // together)[::-1]  # the oldest ping is in the last row
+        starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
+        places = len(rows) - 1 - upwards[starts]
+        rows[places] += np.add.reduceat(_columns(block, numbers, relative, columns, axis, look), starts, axis=0)
+        counts[places, 0] += np.diff(starts, append=numbers.size)
         track.append(np.stack([block.x, block.y, block.altitude]))
         done += numbers.size
     rows /= np.maximum(counts, 1.0)
@@ -141,15 +145,6 @@ def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
 def _bin_length(block: xr.Dataset) -> float:
     """Return the recorded slant range of a bin; its first centre lies at half of it."""
     return 2.0 * float(block["slant_range"].values[0])
-
-
-def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first: Record) -> None:
-    """Add the columns of successive pings to the rows that they share; the oldest ping is in the last row."""
-    upwards = row[::-1]
-    starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
-    places = len(rows) - 1 - upwards[starts]
-    rows[places] += np.add.reduceat(newest_first, starts, axis=0)
-    counts[places, 0] += np.diff(starts, append=row.size)
 
 
 def _columns(

@@ -115,17 +115,12 @@ def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """Suggest the most similar field for an unknown key."""
     *_, (_, models) = _steps(location, root)
     names = [name for model in models for name in model.model_fields]
-    if others := _kinds_with(str(location[-1]), models):
+    families = {model.family for model in models if issubclass(model, Declaration) and model.family is not None}
+    kinds = {kind: each for family in families for kind, each in family.models(Declaration).items()}
+    if others := [kind for kind, model in kinds.items() if str(location[-1]) in model.model_fields]:
         own = " or ".join(sorted({repr(kind) for model in models if (kind := kind_name(model))}))
         return f"it belongs to kind {' or '.join(map(repr, others))}, not to {own}; set kind, too"
     close = difflib.get_close_matches(str(location[-1]), names, n=1)
     if close:
         return f"did you mean {close[0]!r}?"
     return f"remove it, or use one of {', '.join(names)}" if names else "remove it"
-
-
-def _kinds_with(name: str, models: list[type[BaseModel]]) -> list[str]:
-    """Return the other kinds of the same choice that have a field, by name."""
-    families = {model.family for model in models if issubclass(model, Declaration) and model.family is not None}
-    found = {kind: each for family in families for kind, each in family.models(Declaration).items()}
-    return [kind for kind, model in found.items() if name in model.model_fields]

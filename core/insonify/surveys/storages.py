@@ -40,7 +40,7 @@ class StorageKind(Kind):
 
     @abstractmethod
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
-        """Write the tiles of one job, all of one split, and note where each image is: ``told["file"]``.
+        """Write the tiles of one job, at least one and all of one split, and note where each is: ``told["file"]``.
 
         Parameters
         ----------
@@ -84,8 +84,6 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.tar``; without a time, so that the same tiles give the same bytes."""
-        if not tiles:
-            return
         path = folder / tiles[0].told["split"] / shelf / f"{job}.tar"
         path.parent.mkdir(parents=True, exist_ok=True)
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
@@ -115,8 +113,6 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.zarr``: a chunk for each tile, all chunks of an array in one file."""
-        if not tiles:
-            return
         import zarr
 
         path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"

@@ -133,7 +133,10 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
     kept, count = [rays], FIRST
     first, last = _taken(rays, slice(None, -1)), _taken(rays, slice(1, None))
     for _ in range(ROUNDS):
-        parted = _parted(first, last, WIDE * cell)
+        # Neighbours that diverge by more than some cells or end differently.
+        with np.errstate(invalid="ignore"):
+            far = (np.abs(first.height - last.height) > WIDE * cell).any(axis=1)
+        parted = (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
         first, last = _taken(first, parted), _taken(last, parted)
         count += first.angle.size
         if first.angle.size == 0 or count > MOST:
@@ -172,13 +175,6 @@ def _taken(rays: _Rays, which: slice | NDArray[Any]) -> _Rays:
 
 def _joined(parts: list[_Rays]) -> _Rays:
     return _Rays(*(np.concatenate(columns) for columns in zip(*parts)))
-
-
-def _parted(first: _Rays, last: _Rays, most: float) -> NDArray[np.bool_]:
-    """Select neighbours that diverge by more than ``most`` or end differently."""
-    with np.errstate(invalid="ignore"):
-        far = (np.abs(first.height - last.height) > most).any(axis=1)
-    return (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
 
 
 def _dark(rays: _Rays, reach: float) -> Values:

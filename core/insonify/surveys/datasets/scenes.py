@@ -13,8 +13,7 @@ from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
-from insonify.surveys.distributions import DistributionKind
-from insonify.surveys.distributions.kinds import OneOf, Uniform
+from insonify.surveys.distributions import DistributionKind, OneOf, Uniform
 from insonify.tow.line import tow_line_at
 
 _Placed = tuple[list[float], "View"]

@@ -51,7 +51,8 @@ class DatasetWork:
             tiles += self._tiles_of(drawn)
             toml = scene_to_toml(drawn.scene)
             scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
-        self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
+        if tiles:
+            self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
 
     def begun(self) -> DatasetWork:
