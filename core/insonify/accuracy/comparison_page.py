@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.page import PageCaption, caption_record
 from insonify.display.picture import choose_contrast, colour_amplitudes
-from insonify.display.sheet import RecordSheet, gather_record_sheet
+from insonify.display.sheet import gather_record_sheet
 from insonify.display.style import BLUE, FAINT, INK, ORANGE, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.statistics.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
@@ -48,19 +47,16 @@ def draw_comparison(
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
-        _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look, levels))
+        pixels = colour_amplitudes(sheet.amplitude, look, levels)
+        axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
+        axes.set_anchor("N")
+        label_axes(axes, "slant range (m)", "along track (m)", size=9)
+        axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
+        style_axes(axes, 8, framed=True, width=0.6)
         place = left / WIDTH, (base + tall) / height, 1.0 / height
         _headings(figure, place, caption_record(record, sheet.along, DisplayOptions()), found, HUES[number])
     _graphs(figure, height, measured)
     return figure
-
-
-def _picture(axes: Any, sheet: RecordSheet, pixels: NDArray[np.uint8]) -> None:
-    axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
-    axes.set_anchor("N")
-    label_axes(axes, "slant range (m)", "along track (m)", size=9)
-    axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
-    style_axes(axes, 8, framed=True, width=0.6)
 
 
 def _headings(

@@ -77,7 +77,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
-    done, axis = 0, None
+    done, axis, per_side = 0, None, columns // 2 if look.side == "both" else columns
     track = [np.empty((3, 0))]  # x, y and altitude of successive pings
     for block in blocks:
         axis = axis or _axis(block, look)
@@ -85,7 +85,11 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
         upwards = (numbers // together)[::-1]  # the oldest ping is in the last row
         starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
         places = len(rows) - 1 - upwards[starts]
-        rows[places] += np.add.reduceat(_columns(block, numbers, relative, columns, axis, look), starts, axis=0)
+        amplitude = relative(block.intensity, numbers)
+        factors = side_factors(look, amplitude.shape[-1])
+        edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
+        newest_first = mirror_channels(amplitude if factors is None else amplitude * factors, edges, look.side)
+        rows[places] += np.add.reduceat(newest_first, starts, axis=0)
         counts[places, 0] += np.diff(starts, append=numbers.size)
         track.append(np.stack([block.x, block.y, block.altitude]))
         done += numbers.size
@@ -145,18 +149,3 @@ def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
 def _bin_length(block: xr.Dataset) -> float:
     """Return the recorded slant range of a bin; its first centre lies at half of it."""
     return 2.0 * float(block["slant_range"].values[0])
-
-
-def _columns(
-    block: SheetPings,
-    numbers: NDArray[np.int64],
-    relative: Relative,
-    columns: int,
-    axis: RangeAxis,
-    look: DisplayOptions,
-) -> NDArray[np.float32]:
-    per_side = columns // 2 if look.side == "both" else columns
-    edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
-    amplitude = relative(block.intensity, numbers)
-    factors = side_factors(look, amplitude.shape[-1])
-    return mirror_channels(amplitude if factors is None else amplitude * factors, edges, look.side)

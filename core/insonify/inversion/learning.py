@@ -295,7 +295,8 @@ def learn(
     SceneError
         If the record shows too little bed, or a field is given that is learned.
     """
-    record = _middle(record)
+    first = max(record.sizes["ping_time"] - LONGEST, 0) // 2
+    record = record.isel(ping_time=slice(first, first + LONGEST))  # the middle of a long record
     sonar = declare_sonar(record, changes or {})
     bed = sound_bed(record, sonar.altitude, separate=not sonar.simulated)
     spectra = measure_segment_spectra(bed)
@@ -306,13 +307,6 @@ def learn(
     title = f"Learned from {str(record.attrs.get('title', '')) or 'a record'}"[:200]
     learned = edit(candidate.set_on(sonar.scene), {"title": title, "description": DESCRIPTION})
     return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
-
-
-def _middle(record: xr.Dataset) -> xr.Dataset:
-    """Cut a long record to the pings in its middle."""
-    pings = record.sizes["ping_time"]
-    first = max(pings - LONGEST, 0) // 2
-    return record.isel(ping_time=slice(first, first + LONGEST))
 
 
 def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpectra) -> RecordedSonar:

@@ -176,17 +176,15 @@ class Probe:
         pings = np.array(of or range(min(count, self._is_across.size)))
         if model in self._traced and self._traced[model].shape[0] > pings.max():
             return self._traced[model][pings]
-        made = self._made(model, pings)
-        if not of:
-            self._traced[model] = made
-        return made
 
-    def _made(self, model: Model, pings: NDArray[np.int64]) -> Record:
         def block(first: int, last: int) -> Record:
             return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
 
         parts = in_parallel(block, pings.size, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
-        return np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
+        made = np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
+        if not of:
+            self._traced[model] = made
+        return made
 
 
 def _without_surface_echo(*models: Model) -> tuple[Model, ...]:

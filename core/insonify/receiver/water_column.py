@@ -60,7 +60,8 @@ class WaterColumn(Stage):
         if scene.volumes and ground is not None:
             points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
             volumes = VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
-        water = _reverberation(setup).astype(np.float32)
+        water = np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
+        water = water.astype(np.float32)
         reverberation = spread_echoes(setup.taps, water[None, None])[0, 0].astype(np.float64)
         return cls(reverberation, setup.taps, volumes) if volumes is not None or reverberation.any() else None
 
@@ -73,11 +74,6 @@ class WaterColumn(Stage):
             sound.add_background(echoes)
         else:
             sound.energy = sound.energy + echoes
-
-
-def _reverberation(setup: ReceiverSetup) -> Curve:
-    """Mean intensity of volume and surface reverberation for a pulse of one bin, (bins,)."""
-    return np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
 
 
 def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Curve]]:

@@ -115,7 +115,10 @@ def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
         if number in known and samples.size:
             row, band = SIDES[info.TypeOfChannel], known[number]
             near_to_far = samples[::-1] if row == 0 else samples
-            side = _side(ping, (info, channel), near_to_far, _unit(header, info, samples.dtype))
+            # The ``VoltScale`` of other recorders is often not the amplitude of one count.
+            own = header.RecordingProgramName == PROGRAM
+            unit = float(info.VoltScale) / counts(samples.dtype) if own else 1.0
+            side = _side(ping, (info, channel), near_to_far, unit)
             found.bands.setdefault(band, {}).setdefault(row, side)
             found.frequencies[band] = float(channel.Frequency)
     return found
@@ -134,11 +137,6 @@ def _samples(info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[
     if length > body.size:
         raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
     return body[:length].view(kind), length
-
-
-def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
-    """Amplitude of one count; 1 for other recorders, because their ``VoltScale`` is often not the scale."""
-    return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
 def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> recording.SideEchoes:
@@ -163,7 +161,10 @@ def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: floa
 
 def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
-    times, fixes, first = _seconds(headers), _fixes(header, headers), headers[0]
+    # Positions of the fish, or of the ship where those are all zero.
+    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
+    fixes, times, first = recording.Fixes(x, y, header.NavUnits == DEGREES), _seconds(headers), headers[0]
     attributes: dict[str, Any] = {} if fixes.place is None else fixes.place.attributes()
     clock = first.Hour, first.Minute, first.Second, 10_000 * first.HSeconds
     with contextlib.suppress(ValueError):  # a date that the calendar does not have
@@ -205,13 +206,6 @@ def _platform_columns(
         recording.heading_from_compass(compass, recorded & (compass != 0.0)),
         recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
     )  # fmt: skip
-
-
-def _fixes(header: Any, headers: list[Any]) -> recording.Fixes:
-    """Positions of the fish, or of the ship where those are all zero."""
-    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
-    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    return recording.Fixes(x, y, header.NavUnits == DEGREES)
 
 
 def _dead_reckoning(headers: list[Any], times: recording.Column) -> tuple[recording.Column, recording.Column]:

@@ -267,7 +267,10 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     shown = (sweep, "rays", "march", method_settings.PLAN, STRAIGHT)
     for axes, targets in zip(grid, sorted(chart.scenes)):
         marks |= _draw_panel(axes, chart, targets, shown)
-    _limit(grid, chart)
+    floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
+    heights = [*map(_height, chart.rows), *floors]
+    grid[0].margins(x=0.08)  # room for labels
+    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
     _name_methods(figure, grid)
     for axes, targets in zip(grid, sorted(chart.scenes)):
         _mark_floor(axes, chart, targets)
@@ -353,14 +356,6 @@ def _name_methods(figure: Figure, grid: list[Axes]) -> None:
         list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
         fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
     )  # fmt: skip
-
-
-def _limit(grid: list[Axes], chart: AccuracyChart) -> None:
-    """Leave room for labels."""
-    floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
-    heights = [_height(row) for row in chart.rows] + floors
-    grid[0].margins(x=0.08)
-    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
 
 
 def _mark_floor(axes: Axes, chart: AccuracyChart, targets: bool) -> None:
@@ -460,7 +455,12 @@ def _measure(
     timed = {}
     for key, one in named.items():
         progress(0.7)
-        timed[key] = _lengthen_call(one, poses)
+        # The poses are traced often enough to be timed.
+        began = thread_time()
+        one.trace(poses)
+        times = math.ceil(SHORTEST_CALL / max(thread_time() - began, 1e-6))
+        many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_PINGS // poses.x.size), 1)))
+        timed[key] = partial(one.trace, many), many.x.size
     timings = time_calls(
         {key: call for key, (call, _) in timed.items()},
         seconds=TIMING,
@@ -497,14 +497,3 @@ def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], Non
     half, whole = trace(RAYS_OF_TRIANGLES // 2), trace(RAYS_OF_TRIANGLES)
     moved = compare_records(arrays, poses, half, whole)
     return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
-
-
-def _lengthen_call(
-    one: method_settings.MethodSetting, poses: Poses
-) -> tuple[Callable[[], method_settings.Record], int]:
-    """Call that traces the poses often enough to be timed, and the number of pings that it traces."""
-    began = thread_time()
-    one.trace(poses)
-    times = math.ceil(SHORTEST_CALL / max(thread_time() - began, 1e-6))
-    many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_PINGS // poses.x.size), 1)))
-    return partial(one.trace, many), many.x.size
