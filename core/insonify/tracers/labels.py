@@ -97,7 +97,13 @@ def trace_labels(
     labels = _describe_contributors(arrays, found)
     if crosstalk > 0.0:
         labels = _with_crosstalk(labels, found.energy, crosstalk)
-    return labels if volumes is None else _with_volumes(arrays, labels, found.energy, crosstalk, volumes)
+    # The volume of the greatest echo, where that exceeds the contributor's.
+    greatest = np.maximum(found.energy, crosstalk * found.energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+    for number, own in enumerate(() if volumes is None else volumes):
+        received = np.maximum(own, crosstalk * own[:, ::-1])
+        labels.volume_id[received > greatest] = number
+        greatest = np.maximum(received, greatest)
+    return labels
 
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
@@ -196,19 +202,3 @@ def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: f
     columns = {name: np.where(across, getattr(own, name)[:, ::-1], getattr(own, name)) for name in leaked}
     columns["path"][across] = PATHS.index("crosstalk")
     return own._replace(**columns)
-
-
-def _with_volumes(
-    arrays: SceneArrays,
-    labels: RecordLabels,
-    energy: NDArray[np.float32],
-    crosstalk: float,
-    volumes: NDArray[np.float32],
-) -> RecordLabels:
-    """Labels with the volume of the greatest echo, where that exceeds the contributor's."""
-    greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
-    for number, own in enumerate(volumes):
-        received = np.maximum(own, crosstalk * own[:, ::-1])
-        labels.volume_id[received > greatest] = number
-        greatest = np.maximum(received, greatest)
-    return labels
