@@ -82,9 +82,9 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     for block in blocks:
         axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
-        upwards = (numbers // together)[::-1]  # the oldest ping is in the last row
-        starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
-        places = len(rows) - 1 - upwards[starts]
+        row = (numbers // together)[::-1]  # the oldest ping is in the last one
+        starts = np.flatnonzero(np.diff(row, prepend=row[0] + 1))
+        places = len(rows) - 1 - row[starts]
         amplitude = relative(block.intensity, numbers)
         factors = side_factors(look, amplitude.shape[-1])
         edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
@@ -100,8 +100,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     across = 2.0 * reach if look.side == "both" else reach
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
     sheet = resample_rows(rows, height)
-    upwards = sheet if look.newest_on_top else sheet[::-1]
-    return RecordSheet(upwards, reach, along, done, altitude)
+    return RecordSheet(sheet if look.newest_on_top else sheet[::-1], reach, along, done, altitude)
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:

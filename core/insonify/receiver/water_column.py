@@ -61,8 +61,7 @@ class WaterColumn(Stage):
             points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
             volumes = VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
         water = np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
-        water = water.astype(np.float32)
-        reverberation = spread_echoes(setup.taps, water[None, None])[0, 0].astype(np.float64)
+        reverberation = spread_echoes(setup.taps, water[None, None].astype(np.float32))[0, 0].astype(np.float64)
         return cls(reverberation, setup.taps, volumes) if volumes is not None or reverberation.any() else None
 
     def act_on_energies(self, sound: Sound) -> None:
