@@ -23,7 +23,7 @@ from insonify.acoustics.bed_materials import find_material, misfit
 from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts, whole_window
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
-from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
+from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
@@ -396,7 +396,12 @@ def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
         waves = bool(reception.sums_waves and reception.coherent)
         key = id(arrays.reflectivity), reception.coherent, waves
         if key not in kept:
-            kept[key] = _trace_ping(simulation, arrays, poses, coherent=reception.coherent, waves=waves)
+            # The mean energy of the scatterers where the receiver up to a stage is not coherent.
+            tracer, settings = simulation.tracer, simulation.plan.settings
+            call: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
+            if whole.coherent and not reception.coherent:
+                call = sweep.trace
+            kept[key] = simulation.tiles.map(lambda tile, some: (call(tile, some, **settings),), arrays, poses)[0]
         return kept[key].copy()
 
     records = []
@@ -408,12 +413,3 @@ def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
         last = whole.stages[count - 1] if count else None
         records.append(ReceiverStage(last.name, last.detail, record) if last else ReceiverStage("", "", record))
     return records
-
-
-def _trace_ping(simulation: Simulation, arrays: SceneArrays, poses: Poses, *, coherent: bool, waves: bool) -> Traced:
-    """Trace one ping, for the mean energy of the scatterers where the receiver up to a stage is not coherent."""
-    tracer, settings = simulation.tracer, simulation.plan.settings
-    trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
-    if simulation.reception.coherent and not coherent:
-        trace = sweep.trace
-    return simulation.tiles.map(lambda tile, some: (trace(tile, some, **settings),), arrays, poses)[0]

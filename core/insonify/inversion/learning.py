@@ -160,7 +160,11 @@ class Matching:
             angles, wanted = self._recorded.level.angles, self._recorded.level.by_angle
             own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
             vertical = _added(vertical, angles, (wanted - own) / self._scene.sonar.beam.passes)
-        gains = correct_gains(candidate.gains, self._recorded, simulated)
+        # Gains by bin, with which the record has the level of the recorded one at every slant range.
+        ratio = _ratio(self._recorded, simulated)
+        first = int(np.searchsorted(self._recorded.slant_range, self._recorded.altitude.min()))
+        places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
+        gains = _added(candidate.gains, places.astype(np.float64), ratio[places])
         return replace(candidate, gains=gains, vertical=vertical)
 
     def _has_patches(self, gain: float, simulated: SegmentSpectra) -> bool:
@@ -202,14 +206,6 @@ def level_difference(recorded: SoundedBed, simulated: SoundedBed) -> float:
     altitude, r = float(recorded.altitude.mean()), recorded.slant_range
     near = (r >= min(FROM * altitude, 0.9 * float(r[-1]))) & (r <= TO * altitude)
     return float(np.median(_ratio(recorded, simulated)[near]))
-
-
-def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> Pairs:
-    """Gains in dB by bin, changed until a simulated record has the level of a recorded one at every slant range."""
-    ratio = _ratio(recorded, simulated)
-    first = int(np.searchsorted(recorded.slant_range, recorded.altitude.min()))
-    places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
-    return _added(gains, places.astype(np.float64), ratio[places])
 
 
 def _added(pairs: Pairs, places: NDArray[np.float64], more: NDArray[np.float64]) -> Pairs:

@@ -87,7 +87,11 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     else:
         swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
         sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
-    low, high = _rectangle(sides)
+    low, high = sides.min(axis=0), sides.max(axis=0)
+    longer = float((high - low).max())
+    # With a margin and a least width.
+    half, middle = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer), 0.5 * (low + high)
+    low, high = middle - half, middle + half
     heights = _heights(optical.ground, axes, low, high)
     longer = float((high - low).max())
     bottom, bed, top = heights[0] - THICK * longer, heights[1], max(heights[1], lamp[2], *points[:, 2])
@@ -117,15 +121,6 @@ def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
 
 def _ahead(heading: float) -> Vectors:
     return np.array([math.cos(heading), math.sin(heading), 0.0])
-
-
-def _rectangle(sides: Vectors) -> tuple[Vectors, Vectors]:
-    """Bounds of points along and across the track, with a margin and a least width."""
-    low, high = sides.min(axis=0), sides.max(axis=0)
-    longer = float((high - low).max())
-    half = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer)
-    middle = 0.5 * (low + high)
-    return middle - half, middle + half
 
 
 def _target_points(solids: Solids, mesh: Mesh) -> Vectors:

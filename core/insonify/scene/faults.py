@@ -34,8 +34,8 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
     if kind in _BOUNDS:
-        limit, words = _BOUNDS[kind]
-        bound = f"{context[limit]:g}{_unit(fault['loc'], root)}"
+        (limit, words), unit = _BOUNDS[kind], unit_at(fault["loc"], root)
+        bound = f"{context[limit]:g}{unit if unit in ('', '°') else f' {unit}'}"
         return f"{where}: {_shown(value)} is out of bounds; give a value {words} {bound}"
     if kind.endswith(("too_short", "too_long")):
         bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
@@ -87,12 +87,6 @@ def unit_at(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
         for field in found:
             unit = str(field.json_schema_extra.get("unit", "")) if isinstance(field.json_schema_extra, dict) else ""
     return unit
-
-
-def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
-    """Return the unit of the field of a fault as it follows a number."""
-    unit = unit_at(location, root)
-    return unit if unit in ("", "°") else f" {unit}"
 
 
 def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[tuple[int | str, list[type[BaseModel]]]]:

@@ -50,13 +50,18 @@ def trace_ray_diagram(
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
     limits = RayLimits(reach, 0.0, bottom, False, False)
     fan = trace_fan(water, bottom - depth, limits, columns)
+    # Round launch angles, 0 included, at most `MOST_RAYS`.
+    steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
+    step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
+    count = math.ceil(min(steepest, 85.0) / step)
+    angles = np.arange(-count, count + 1, dtype=np.float64) * step
     return RayDiagram(
         title=scene.title,
         layers=make_sound_speed_field(scene.water),
         source_depth=depth,
         bottom=bottom,
         reach=reach,
-        rays=_paths(water, bottom, depth, _round_angles(depth, bottom, reach), limits),
+        rays=_paths(water, bottom, depth, angles, limits),
         shadow=~fan.lit[::-1],
         dark=fan.dark,
         caustics=_caustics(fan, bottom),
@@ -64,14 +69,6 @@ def trace_ray_diagram(
         eigenrays=() if target is None else _eigenrays(water, bottom, depth, target),
         limits=tuple(scene.describe_limits()),
     )
-
-
-def _round_angles(depth: float, bottom: float, reach: float) -> Values:
-    """Round launch angles in degrees below the horizontal, 0 included, at most `MOST_RAYS`."""
-    steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
-    step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
-    count = math.ceil(min(steepest, 85.0) / step)
-    return np.arange(-count, count + 1, dtype=np.float64) * step
 
 
 def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: RayLimits) -> tuple[DiagramRay, ...]:

@@ -102,21 +102,16 @@ def _read_metres(raster: Any, depths: bool) -> Grid:
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
         raise FileFault("is not laid out north up", "warp it to a north-up grid, for example with gdalwarp")
-    _check_transform(transform)
-    # Heights lie at the centres of pixels; the last row is the southernmost.
-    x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
-    # A local system, neither projected nor geographic, has no known place on Earth.
-    crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
-    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths, unit=unit)
-
-
-def _check_transform(transform: Any) -> None:
-    """Raise FileFault for pixels and corners of sizes that no map has."""
     if not all(SPACINGS[0] <= abs(side) <= SPACINGS[1] for side in (transform.a, transform.e)):
         sizes = f"has pixels of {transform.a:g} by {-transform.e:g} m"
         raise FileFault(sizes, f"give a size from {SPACINGS[0]:g} to {SPACINGS[1]:g} m")
     if not math.hypot(transform.c, transform.f) <= FARTHEST:
         raise FileFault(f"lies at {transform.c:g}, {transform.f:g} m", "georeference it again")
+    # Heights lie at the centres of pixels; the last row is the southernmost.
+    x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
+    # A local system, neither projected nor geographic, has no known place on Earth.
+    crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
+    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths, unit=unit)
 
 
 RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", tuple(DRIVERS), read_raster, remedy=REMEDY)

@@ -54,7 +54,12 @@ def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     n = len(corners)
     first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
     surface = _components(first, second, n)
-    flipped = _flips(first, second, alike, surface)
+    # Triangles to reverse are found on the double cover, which holds every triangle once in either winding.
+    side = np.where(alike, 0, n)
+    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
+    _, leaders = np.unique(surface, return_index=True)
+    one_sided = cover[:n] == cover[n:]
+    flipped = (cover[:n] != cover[leaders][surface]) & ~one_sided
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
     # Signed volumes, summed over tetrahedra from the centroid.
     a, b, c = np.moveaxis(wound - wound.mean(axis=(0, 1)), 1, 0)
@@ -81,18 +86,6 @@ def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np
     order = np.argsort(edge, kind="stable")
     pairs = order[times[edge[order]] == 2].reshape(-1, 2)
     return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
-
-
-def _flips(
-    first: NDArray[np.int64], second: NDArray[np.int64], alike: NDArray[np.bool_], surface: NDArray[np.int64]
-) -> NDArray[np.bool_]:
-    """Triangles to reverse, found on the double cover, which holds every triangle once in either winding."""
-    n = surface.size
-    side = np.where(alike, 0, n)
-    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
-    _, leaders = np.unique(surface, return_index=True)
-    one_sided = cover[:n] == cover[n:]
-    return np.asarray((cover[:n] != cover[leaders][surface]) & ~one_sided)
 
 
 def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> NDArray[np.int64]:

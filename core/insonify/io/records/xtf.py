@@ -200,19 +200,15 @@ def _platform_columns(
     )
     compass = _first_of(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
-    x, y = fixes.positions(times) or _dead_reckoning(headers, times)
+    # Without a fix the positions are along +y, by the recorded speed.
+    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    x, y = fixes.positions(times) or (np.zeros_like(run), run)
     return (
         x, y, recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
         recording.heading_from_compass(compass, recorded & (compass != 0.0)),
         recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
     )  # fmt: skip
-
-
-def _dead_reckoning(headers: list[Any], times: recording.Column) -> tuple[recording.Column, recording.Column]:
-    """Positions along +y from the recorded speed, of a recording without a fix."""
-    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
-    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
-    return np.zeros_like(run), run
 
 
 def _column(headers: list[Any], name: str, unknown: float = 0.0) -> recording.Column:

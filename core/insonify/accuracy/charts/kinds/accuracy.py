@@ -273,7 +273,12 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
     _name_methods(figure, grid)
     for axes, targets in zip(grid, sorted(chart.scenes)):
-        _mark_floor(axes, chart, targets)
+        # Errors that the reference does not resolve.
+        reference = chart.scenes[targets].reference
+        axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
+        doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
+        moved = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
+        _write(axes, 0.012, 0.012, moved, FAINT, ha="left", va="bottom")
         _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
         labels = [
             (row.label, row.microseconds, _height(row), style.get_colour(row.method))
@@ -326,21 +331,16 @@ def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
 def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     """Draw a line through the settings of a method and a mark for each."""
     x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], style.get_colour(method)
+    family, _, variant = method.partition(", ")
     axes.errorbar(
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
     (line,) = axes.plot(
         x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else style.get_mark(method),
         markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
-        label=_name_method(method), picker=5,
+        label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method, picker=5,
     )  # fmt: skip
     return line
-
-
-def _name_method(method: str) -> str:
-    """Name of a method with the unit of its labels, in two lines."""
-    family, _, variant = method.partition(", ")
-    return f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method
 
 
 def _name_methods(figure: Figure, grid: list[Axes]) -> None:
@@ -356,15 +356,6 @@ def _name_methods(figure: Figure, grid: list[Axes]) -> None:
         list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
         fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
     )  # fmt: skip
-
-
-def _mark_floor(axes: Axes, chart: AccuracyChart, targets: bool) -> None:
-    """Shade the errors that the reference does not resolve."""
-    reference = chart.scenes[targets].reference
-    axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
-    doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
-    text = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
-    _write(axes, 0.012, 0.012, text, FAINT, ha="left", va="bottom")
 
 
 def _write(axes: Axes, x: float, y: float, text: str, colour: str, **align: Any) -> None:
