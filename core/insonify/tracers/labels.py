@@ -98,10 +98,10 @@ def trace_labels(
     if crosstalk > 0.0:
         # The other side's contributor wherever its crosstalk exceeds the side's own echo.
         leaked: dict[str, Any] = {}
-        across = crosstalk * found.energy[:, ::-1] > found.energy
+        louder = crosstalk * found.energy[:, ::-1] > found.energy
         for name in ("target_id", "material", "ground_range", "incidence", "path", "caustic"):
-            leaked[name] = np.where(across, getattr(labels, name)[:, ::-1], getattr(labels, name))
-        leaked["path"][across] = PATHS.index("crosstalk")
+            leaked[name] = np.where(louder, getattr(labels, name)[:, ::-1], getattr(labels, name))
+        leaked["path"][louder] = PATHS.index("crosstalk")
         labels = labels._replace(**leaked)
     # The volume of the greatest echo, where that exceeds the contributor's.
     greatest = np.maximum(found.energy, crosstalk * found.energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
