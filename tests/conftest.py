@@ -17,11 +17,9 @@ LONG = (
     "test_plans_keep_to_their_tolerances[first]",
     "test_a_real_recording_is_learned",
     "test_any_mistake_is_one_sentence",
-    "test_every_method_is_measured",
     "test_more_tolerance_never_means_more_work[12]",
     "test_a_run_that_is_killed_and_interrupted_keeps_what_is_done_and_goes_on",
     "test_any_scene_makes_a_record_or_says_why_not",
-    "test_what_comes_back_by_other_paths_is_spread_over_its_bins",
     "test_the_main_thread_never_sums_the_relief",
     "test_a_recording_is_drawn_beside_the_scene",
 )

@@ -116,9 +116,9 @@ def _bistatic(law: int, one: np.ndarray, other: np.ndarray, towards: np.ndarray,
 
 
 def _last_met(meets: Callable[[np.ndarray], np.ndarray], inside: float, outside: float) -> float:
-    """Last angle at which a body is met on the way outside, halved 40 times: 1024 places are tried at a time."""
-    for _ in range(4):
-        places = np.linspace(inside, outside, 1025)
+    """Last angle at which a body is met on the way outside, halved 42 times: 128 places are tried at a time."""
+    for _ in range(6):
+        places = np.linspace(inside, outside, 129)
         beyond = max(int(np.argmin(np.append(meets(places[:-1]), False))), 1)  # the first place where it is not met
         inside, outside = places[beyond - 1], places[beyond]
     return float(inside)
@@ -153,7 +153,7 @@ def naive_target_ghost(
         def meets(angle: np.ndarray) -> np.ndarray:
             return np.isfinite(meet(lower, directions(angle))[0])
 
-        scan = np.linspace(-1.3, -0.1, 4001)
+        scan = np.linspace(-1.3, -0.1, 1001)
         seen = np.flatnonzero(np.isfinite(meet(lower, directions(scan))[0]))
         if not seen.size:
             continue

@@ -1,7 +1,16 @@
 """Small specifications of data sets and surveys, and comparisons of the folders that they make."""
 
 import hashlib
+from collections.abc import Callable, Sequence
 from pathlib import Path
+
+import pytest
+
+from insonify import cli
+from insonify.compiler.build import own_build
+from insonify.errors import SceneError
+from insonify.surveys import engine
+from insonify.surveys.schedulers import claim_build
 
 SET = """
 title = "Drums and rocks"
@@ -70,3 +79,25 @@ def contents(folder: Path) -> dict[str, str]:
     """Hash of every file below a folder, by its path."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def run_here(*words: str) -> int:
+    """Run a command whose jobs are done in this process, one after another; to start workers takes 10 s of work."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "run_jobs", _do_jobs)
+        return cli.main(words)
+
+
+def _do_jobs(
+    work: engine.Work, names: Sequence[str], _: str, progress: Callable[[engine.Outcome], object]
+) -> tuple[engine.Outcome, ...]:
+    claim_build(work.folder / engine.FLAGS, own_build())
+    begun, failures = work.begun(), []
+    for name in names:
+        try:
+            outcome = engine.finish(begun, name)
+        except SceneError as error:
+            outcome = engine.Outcome(name, failure=str(error))
+            failures.append(outcome)
+        progress(outcome)
+    return tuple(failures)

@@ -15,27 +15,13 @@ from insonify.surveys.engine import digest_of, name_job
 
 @dataclass(frozen=True)
 class WrittenJobs:
-    """Jobs that write two files each.
-
-    Attributes
-    ----------
-    folder : Path
-    count : int
-        Of jobs.
-    kills : frozenset of int
-        Jobs that end their worker between their two files, as often as `times` says.
-    fails : frozenset of int
-        Jobs that cannot be done.
-    seconds : float
-        That each takes.
-    """
+    """Jobs that write two files each."""
 
     folder: Path
     count: int
-    kills: frozenset[int] = frozenset()
-    fails: frozenset[int] = frozenset()
-    seconds: float = 0.0
-    times: int = 1
+    kills: frozenset[int] = frozenset()  # jobs that end their first worker between their two files
+    fails: frozenset[int] = frozenset()  # jobs that cannot be done
+    seconds: float = 0.0  # that each takes
 
     def names(self) -> list[str]:
         return [name_job(number, digest_of("written")) for number in range(self.count)]
@@ -48,7 +34,7 @@ class WrittenJobs:
         (beside / "one" / f"{number}.txt").write_text(f"one {number}" * 1000)
         time.sleep(self.seconds)
         killed = self.folder.with_name("killed") / str(number)
-        if number in self.kills and len(list(killed.parent.glob(f"{number}-*"))) < self.times:
+        if number in self.kills and not list(killed.parent.glob(f"{number}-*")):
             killed.parent.mkdir(exist_ok=True)
             killed.with_name(f"{number}-{os.getpid()}").touch()
             os.kill(os.getpid(), signal.SIGKILL)

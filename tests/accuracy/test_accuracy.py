@@ -1,4 +1,4 @@
-"""Errors, orders of convergence, the reference and the clock."""
+"""Errors and displacements of records, orders of convergence, the reference and the clock."""
 
 import math
 
@@ -9,8 +9,15 @@ from beds import arrays_of, poses_of, rough_arrays
 from exact_rays import order, reference
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
-from insonify.statistics.record_errors import compare_records, compute_errors
-from insonify.tracers import rays
+from insonify.statistics.record_errors import (
+    compare_records,
+    compute_errors,
+    find_echo_shifts,
+    find_edge_shifts,
+    measure_displacement,
+    measure_similarity,
+)
+from insonify.tracers import ray_sheets, rays
 
 FINE = {"bins": 500, "bin_length": 0.06}
 
@@ -89,3 +96,125 @@ def test_calls_are_timed_in_turns():
     assert seen == ["a", "b"] * 4
     assert set(timings) == {"a", "b"}
     assert all(timing.median > 0.0 and timing.spread >= 0.0 for timing in timings.values())
+
+
+BINS = 400
+
+
+def stepped(*edges):
+    """Lit bed with one shadow between two edges, the bins that they fall in lit in part."""
+    bins = np.arange(BINS, dtype=float)
+    dark = np.clip(np.minimum(bins + 1, edges[1]) - np.maximum(bins, edges[0]), 0.0, 1.0)
+    return 1.0 - dark
+
+
+@pytest.mark.parametrize("moved", [-7.0, 1.0, 0.0, 30.0])
+def test_edges_moved_by_whole_bins(moved):
+    assert find_edge_shifts(stepped(100.0 + moved, 200.0 + moved), stepped(100.0, 200.0)) == pytest.approx(
+        [moved, moved]
+    )
+
+
+@pytest.mark.parametrize("moved", np.linspace(-1.0, 1.0, 9))
+def test_edges_moved_by_parts_of_bins(moved):
+    # Between two centres of bins a straight line stands for the step: 0.09 of a bin at most.
+    found = find_edge_shifts(stepped(100.0, 200.0 + moved), stepped(100.0, 200.0))
+    assert found == pytest.approx([0.0, moved], abs=0.09)
+
+
+def test_a_lost_shadow_is_wrong_by_half_its_length():
+    assert np.abs(find_edge_shifts(np.ones(BINS), stepped(100.0, 200.0))) == pytest.approx([50.0, 50.0], abs=1.0)
+
+
+def test_the_level_does_not_matter_and_no_shadow_has_no_edges():
+    b = stepped(100.0, 200.0)
+    assert find_edge_shifts(3e-9 * b, 3e-9 * b) == [0.0, 0.0]
+    assert find_edge_shifts(np.zeros(BINS), np.zeros(BINS)) == find_edge_shifts(b, np.ones(BINS)) == []
+    assert find_edge_shifts(b, stepped(100.0, 105.0)) == []  # too short to be one
+
+
+def test_a_shadow_to_the_end_of_the_range_has_its_near_edge_alone():
+    assert find_edge_shifts(stepped(303.0, 400.0), stepped(300.0, 400.0)) == pytest.approx([3.0])
+
+
+def echoes(*places):
+    """Echoes over a faint bed, each shared between the two bins about its place."""
+    record = np.full(BINS, 1e-6)
+    for place in places:
+        k, part = int(place), place - int(place)
+        record[k] += 10.0 * (1.0 - part)
+        record[k + 1] += 10.0 * part
+    return record
+
+
+@pytest.mark.parametrize("moved", [-20.0, -1.0, -0.3, 0.0, 0.25, 0.5, 3.75, 60.0])
+def test_echoes_are_found_where_they_went(moved):
+    found = find_echo_shifts(echoes(150.0 + moved, 300.0 + moved), echoes(150.0, 300.0))
+    assert found == pytest.approx([moved, moved], abs=1e-4)
+
+
+def test_a_lost_echo_is_told_as_such():
+    assert np.isnan(find_echo_shifts(np.zeros(BINS), echoes(150.0))).all()
+    bed = np.random.default_rng(1).exponential(0.3, BINS)
+    # Specks of the bed stand out too, and are where they were.
+    found = np.array(find_echo_shifts(bed, bed + echoes(150.0)))
+    assert np.count_nonzero(np.isnan(found)) == 1
+    np.testing.assert_allclose(found[~np.isnan(found)], 0.0, atol=1e-4)
+    one_lost = find_echo_shifts(echoes(150.0), echoes(150.0, 350.0))
+    np.testing.assert_allclose(one_lost, [0.0, np.nan], atol=1e-9)
+    assert find_echo_shifts(echoes(150.0), np.full(BINS, 1.0)) == []
+
+
+def test_in_metres_of_a_record():
+    arrays, poses = (
+        arrays_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25),
+        poses_of(0.0, 0.0, 10.0),
+    )
+    curve = compute_flat_bed_curves(arrays, poses)
+    right = curve * np.stack([stepped(120.0, 200.0), np.ones(BINS)])
+    found = measure_displacement(arrays, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
+    assert found.shadow_edge == pytest.approx(0.25 * 2.5, rel=1e-6)
+    assert math.isnan(found.echo)
+    assert found.lost == 0
+    both = curve * np.stack([echoes(150.0, 300.0), np.ones(BINS)])
+    some = measure_displacement(arrays, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
+    assert some.echo == pytest.approx(0.5, abs=1e-3)
+    assert some.lost == 1
+
+
+def test_the_shadow_of_a_span_from_a_sonar_at_another_height():
+    """A pipe of radius r at ground range X and gap g throws its shadow from H / sin(φ + α) to H / sin(φ − α)."""
+
+    def shadow(height):
+        drop = height - 1.5
+        phi, alpha = math.atan2(drop, 30.0), math.asin(0.5 / math.hypot(30.0, drop))
+        return height / math.sin(phi + alpha), height / math.sin(phi - alpha)
+
+    pipe = [((-50.0, 30.0, 1.5), (50.0, 30.0, 1.5), 0.5)]
+    arrays = arrays_of(np.zeros((8, 8)), 32.0, x0=-128.0, y0=-128.0, solids=pipe, bins=2000, bin_length=0.025)
+    low, high = (ray_sheets.trace(arrays, poses_of(0.0, 0.0, z), rays=1 << 15)[:, :1] for z in (10.0, 10.4))
+    curve = compute_flat_bed_curves(arrays, poses_of(0.0, 0.0, 10.0))
+    a, b = (np.divide(each, curve, out=np.zeros_like(curve), where=curve > 0.0)[0, 0, 500:] for each in (high, low))
+    expected = [(one - other) / arrays.bin_length for one, other in zip(shadow(10.4), shadow(10.0))]
+    assert find_edge_shifts(a, b) == pytest.approx(expected, abs=0.35)  # of 25 mm
+
+
+def test_pictures_alike():
+    rng = np.random.default_rng(1)
+    picture = rng.rayleigh(1.0, (4, 300))
+    assert measure_similarity(picture, picture) == pytest.approx(1.0)
+    near, far = (
+        measure_similarity(picture + size * rng.standard_normal(picture.shape), picture) for size in (0.05, 0.8)
+    )
+    assert far < near < 1.0
+    assert measure_similarity(picture[:, :3], picture[:, :3]) == 1.0
+
+
+def test_what_is_exact_is_not_displaced():
+    arrays = arrays_of(np.zeros((8, 8)), 32.0, periodic=True, solids=[((0.0, 20.0, 1.0), 1.0)])
+    poses = poses_of(0.0, 0.0, 8.0)
+    found = measure_displacement(
+        arrays, poses, rays.trace(arrays, poses, rays=60_000), rays.trace(arrays, poses, rays=90_000)
+    )
+    assert found.shadow_edge < 0.01
+    assert found.echo < 0.01

@@ -115,6 +115,20 @@ def _beds_are_shaded_once() -> Iterator[None]:
         yield
 
 
+@pytest.fixture
+def drawn_seabed() -> None:
+    """Draw the three-dimensional view, in tests that look at it."""
+
+
+@pytest.fixture
+def _seabed_is_not_drawn(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the three-dimensional view blank elsewhere: software draws it in a third of the time of a window."""
+    from pyvistaqt.rwi import QVTKRenderWindowInteractor
+
+    if "drawn_seabed" not in request.fixturenames:
+        monkeypatch.setattr(QVTKRenderWindowInteractor, "paintGL", lambda _: None)
+
+
 @pytest.fixture(autouse=True)
 def _stand_ins_are_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out what is computed from the packed scene of a simulation, which a stand-in lacks."""
@@ -132,7 +146,11 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
 
 @pytest.fixture
 def open_viewer(
-    qtbot: Any, qapp: QApplication, _questions_are_answered: None, _beds_are_shaded_once: None
+    qtbot: Any,
+    qapp: QApplication,
+    _questions_are_answered: None,
+    _beds_are_shaded_once: None,
+    _seabed_is_not_drawn: None,
 ) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
     apply_theme(qapp)

@@ -1,5 +1,6 @@
 """A simulation that costs nothing: numbers one can predict, in the shapes of the real one."""
 
+from contextlib import suppress
 from functools import lru_cache
 from typing import Any
 
@@ -12,7 +13,7 @@ from insonify.planning import Plan
 from insonify.planning import plan as make_plan
 from insonify.receiver.reception import assemble
 from insonify.receiver.stage import ReceiverSetup
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, edit
 from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.terrain.ground import Ground
@@ -21,9 +22,17 @@ from insonify.tow.poses import make_poses
 from insonify.tracers.labels import RecordLabels
 
 
-@lru_cache(maxsize=64)
 def plan_of(scene: Scene, tolerance: float, forced: frozenset[tuple[str, str]]) -> Plan:
-    """Plan of a scene, made once for all windows that show it."""
+    """Plan of a scene like this one, of which no stand-in traces a ping: words, seed and altitude may be others."""
+    usual = {"title": "", "description": "", "seed": 0} | ({"track.altitude": 10.0} if scene.track.altitude else {})
+    with suppress(SceneError):  # where a fish at that altitude would be above the surface
+        scene = edit(scene, usual)
+    return _plan_once(scene, tolerance, forced)
+
+
+@lru_cache(maxsize=256)
+def _plan_once(scene: Scene, tolerance: float, forced: frozenset[tuple[str, str]]) -> Plan:
+    """Plan of a scene, made once for all windows that show one like it."""
     return make_plan(scene, tolerance, forced=dict(forced))
 
 

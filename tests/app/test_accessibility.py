@@ -7,7 +7,7 @@ from controls import accessible_name, activate, bring_to_front, controls_of, pla
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 
-from insonify.scene import edit, load_scene
+from insonify.scene import load_scene
 from insonify_viewer.application import enlarge_text, has_opengl
 from insonify_viewer.panels.jobs.view.questions import DatasetQuestion, FolderQuestion, SurveyQuestion
 from insonify_viewer.panels.parameters.view.section_box import SectionBox
@@ -88,26 +88,26 @@ def test_a_number_without_unit_says_so():
     assert number.about == "seed (no unit; 0 to 9)"
 
 
-def test_tab_reaches_every_control_in_view(viewer, qtbot):
-    window = viewer.window
-    activate(window, qtbot)
-    for panel in SIDE:
-        bring_to_front(window, panel)
-        wanted = {child for child in controls_of(window) if in_reach(child)}
-        kinds = {type(child).__name__ for child in wanted}
-        assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
-        reached = walk(window, qtbot)
-        assert [place_of(child) for child in wanted - reached] == []
-        assert all(accessible_name(child) for child in reached & wanted)
-
-
 def in_reach(widget: QWidget) -> bool:
     """Whether a control is shown and enabled."""
     return widget.isVisible() and widget.isEnabled() and not widget.visibleRegion().isNull()
 
 
-def test_space_acts_on_the_focused_tick_is_a_letter_in_the_search_and_pauses_elsewhere(window, qtbot):
+def test_links_are_followed_by_the_keyboard_and_space_acts_on_what_has_it(viewer, window, qtbot):
+    """Space acts on the focused tick, is a letter in the search, and pauses the tow elsewhere."""
     activate(window, qtbot)
+    label = next(each for each in viewer.window.findChildren(QLabel, "about") if "<a href" in each.text())
+    followed = []
+    label.linkActivated.connect(followed.append)
+    assert label in walk(viewer.window, qtbot)
+    label.previousInFocusChain().setFocus()
+    while QApplication.focusWidget() is not label:
+        qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
+    for number in range(label.text().count("<a href")):
+        qtbot.keyClick(label, Qt.Key.Key_Tab)
+        qtbot.keyClick(label, Qt.Key.Key_Return)
+        assert followed == [str(each) for each in range(number + 1)]
+        assert QApplication.focusWidget() is label
     paused = window.pause.isChecked()
     tick = next(child for child in window.findChildren(QCheckBox) if child.isVisible())
     before = tick.isChecked()
@@ -136,8 +136,8 @@ def _large_text(qapp):
 
 
 @pytest.mark.usefixtures("_large_text")
-def test_large_text_has_room(open_viewer, small, qapp):
-    window = open_viewer(small).window
+def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
+    window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
     panel = window._panels["parameters"].widget
@@ -151,10 +151,7 @@ def test_large_text_has_room(open_viewer, small, qapp):
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()
-
-
-@pytest.mark.usefixtures("_large_text")
-def test_large_text_fits_a_window(viewer, qtbot):
+    # It fits a window.
     for panel in (None, "lessons"):
         if panel is not None:
             viewer.window.open_panel(panel)
@@ -230,7 +227,25 @@ def is_silent(widget: QWidget) -> bool:
     return isinstance(widget, QLabel) and not widget.text()
 
 
-def test_tab_reaches_every_control_of_a_window_and_a_dialog(viewer, qtbot):
+def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
+    window = viewer.window
+    activate(window, qtbot)
+    for panel in SIDE:
+        bring_to_front(window, panel)
+        wanted = {child for child in controls_of(window) if in_reach(child)}
+        kinds = {type(child).__name__ for child in wanted}
+        assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
+        reached = walk(window, qtbot)
+        assert [place_of(child) for child in wanted - reached] == []
+        assert all(accessible_name(child) for child in reached & wanted)
+    activate(viewer.window, qtbot)
+    for name in ("water", "lessons", "pixel", "comparison", "record"):
+        viewer.window.open_panel(name)
+        panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
+        qtbot.waitUntil(panel.isVisible)
+        wanted, reached = controls_in_reach(panel), walk(viewer.window, qtbot)
+        assert wanted or name != "record"
+        assert [place_of(child) for child in wanted - reached] == []
     for name in ("chart", "jobs"):
         viewer.window.open_panel(name)
         window = viewer.panels[name].widget
@@ -248,32 +263,3 @@ def test_tab_reaches_every_control_of_a_window_and_a_dialog(viewer, qtbot):
             controls = set(controls_of(dialog)) - set(dialog.buttons.buttons())
             assert len(controls) >= 5
             assert [place_of(control) for control in controls if not control.toolTip()] == []
-
-
-def test_tab_reaches_every_control_of_an_opened_panel(viewer, qtbot):
-    activate(viewer.window, qtbot)
-    for name in ("water", "lessons", "pixel", "comparison", "record"):
-        viewer.window.open_panel(name)
-        panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
-        qtbot.waitUntil(panel.isVisible)
-        wanted, reached = controls_in_reach(panel), walk(viewer.window, qtbot)
-        assert wanted or name != "record"
-        assert [place_of(child) for child in wanted - reached] == []
-
-
-def test_links_of_a_description_are_followed_by_the_keyboard(open_viewer, qtbot):
-    scene = edit(load_scene("default"), {"sonar.bins": 100, "track.pings": 128})
-    viewer = open_viewer(scene)
-    activate(viewer.window, qtbot)
-    label = next(each for each in viewer.window.findChildren(QLabel, "about") if "<a href" in each.text())
-    followed = []
-    label.linkActivated.connect(followed.append)
-    assert label in walk(viewer.window, qtbot)
-    label.previousInFocusChain().setFocus()
-    while QApplication.focusWidget() is not label:
-        qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
-    for number in range(label.text().count("<a href")):
-        qtbot.keyClick(label, Qt.Key.Key_Tab)
-        qtbot.keyClick(label, Qt.Key.Key_Return)
-        assert followed == [str(each) for each in range(number + 1)]
-        assert QApplication.focusWidget() is label

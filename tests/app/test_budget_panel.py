@@ -34,7 +34,7 @@ def groups(viewer):
     return {group.name: group for group in viewer.panels["budget"].view.terms.groups}
 
 
-def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range(viewer, scene):
+def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_and_at_the_cursor(viewer, scene, qtbot):
     solved, _ = solve_sonar_equation(scene)
     k = scene.sonar.bins // 2
     found = groups(viewer)
@@ -48,12 +48,9 @@ def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range(viewer, scen
     assert signed(solved.bed.decibels[k]) in text
     assert "the target is above it up to" in viewer.panels["budget"].view.sentence.text()
     assert "Medium sand: " in viewer.panels["budget"].view.model.text()
-
-
-def test_the_cursor_in_the_record_and_in_the_curves_chooses_the_range(viewer, scene, qtbot):
+    # The cursor in the record and in the curves chooses the range.
     panel = viewer.panels["budget"]
     panel.point_marked(MarkedPoint(Mark(0, 0, 800), 40.0, None, None, 1.0))
-    solved, _ = solve_sonar_equation(scene)
     assert groups(viewer)["bed"].level == pytest.approx(solved.bed.decibels[800])
     assert "At 40.0 m the bed stands" in panel.view.sentence.text()
     curves, area = panel.view.curves, panel.view.curves.area
@@ -67,9 +64,16 @@ def test_the_cursor_in_the_record_and_in_the_curves_chooses_the_range(viewer, sc
     assert panel._range == pytest.approx(before + 0.1 * scene.sonar.range)
     QTest.keyClick(curves, Qt.Key.Key_Left)
     assert panel._range == pytest.approx(before + 0.09 * scene.sonar.range)
+    # The curves are painted.
+    image = curves.grab().toImage()
+    colours = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(0, image.height(), 2)}
+    assert len(colours) > 12
+    curves.show_levels(None)
+    plain = curves.grab().toImage()
+    assert np.unique([plain.pixel(x, 20) for x in range(plain.width())]).size == 1
 
 
-def test_it_follows_the_scene_and_the_target(viewer, scene, qtbot):
+def test_it_follows_the_scene_and_the_target_and_has_no_levels_of_light(viewer, scene, qtbot):
     before = groups(viewer)
     viewer.panels["budget"].view._target.setValue(-5.0)
     wait(viewer, qtbot)
@@ -81,22 +85,10 @@ def test_it_follows_the_scene_and_the_target(viewer, scene, qtbot):
     wait(viewer, qtbot)
     assert "the scene has no noise" in viewer.panels["budget"].view.sentence.text()
     assert "noise" not in groups(viewer)
-
-
-def test_the_law_of_light_has_no_levels(viewer, qtbot):
+    # The law of light has no levels.
     viewer.session.settle({"sonar.law": "light"})
     wait(viewer, qtbot)
     view = viewer.panels["budget"].view
     assert "no sonar equation" in view.sentence.text()
     assert view.terms.groups == ()
     view.curves.grab()
-
-
-def test_the_curves_are_painted(viewer):
-    curves = viewer.panels["budget"].view.curves
-    image = curves.grab().toImage()
-    colours = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(0, image.height(), 2)}
-    assert len(colours) > 12
-    curves.show_levels(None)
-    plain = curves.grab().toImage()
-    assert np.unique([plain.pixel(x, 20) for x in range(plain.width())]).size == 1

@@ -59,7 +59,9 @@ def measure(viewer, qtbot):
     qtbot.waitUntil(lambda: not viewer.panels["chart"].busy)
 
 
-def test_a_click_on_a_point_shows_its_record(window, qtbot):
+def test_a_click_on_a_point_shows_its_record_keys_lead_to_the_others_and_it_is_saved(
+    window, qtbot, tmp_path, monkeypatch
+):
     measure(window, qtbot)
     view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()
@@ -71,10 +73,7 @@ def test_a_click_on_a_point_shows_its_record(window, qtbot):
     assert view._strips.isVisible()
     image = view._strips.grab().toImage()
     assert len({image.pixel(x, y) for x in range(0, image.width(), 5) for y in range(0, image.height(), 5)}) > 4
-
-
-def test_points_are_stepped_through_by_keys(window, qtbot):
-    measure(window, qtbot)
+    # Points are stepped through by keys.
     panel = window.panels["chart"]
     points, picked = panel._picture.points, []
     panel.view.picked.connect(picked.append)
@@ -82,9 +81,18 @@ def test_points_are_stepped_through_by_keys(window, qtbot):
         qtbot.keyClick(panel.view.picture, key)
         qtbot.waitUntil(lambda: panel.view.picture._chosen is picked[-1])
     assert [id(row) for row in picked] == [id(points[k].row) for k in (0, 1, 0, len(points) - 1)]
+    # The chart is saved.
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
+    view.save.click()
+    qtbot.waitUntil(lambda: "saved" in view._sentence.text())
+    assert "1,000 rays" in (tmp_path / "c.csv").read_text()
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
+    view.save.click()
+    qtbot.waitUntil(lambda: "saved" not in view._sentence.text())
+    assert ".png" in view._sentence.text()
 
 
-def test_the_window_lives_while_it_is_measured_and_stops(window, qtbot):
+def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_the_window_closes(window, qtbot):
     going, seen = threading.Event(), []
 
     def slow(scene, progress):
@@ -113,8 +121,7 @@ def test_the_window_lives_while_it_is_measured_and_stops(window, qtbot):
     assert job.state is State.STOPPED
     assert view.measure.isEnabled()
 
-
-def test_a_measurement_is_stopped_among_the_jobs(window, qtbot):
+    # It is stopped among the jobs.
     def endless(scene, progress):
         while True:
             progress(0.1)
@@ -122,45 +129,25 @@ def test_a_measurement_is_stopped_among_the_jobs(window, qtbot):
     window.panels["chart"].measure = endless
     window.panels["chart"].view.measure.click()
     window.window.open_panel("jobs")
-    (row,) = window.panels["jobs"].view.rows
+    row = window.panels["jobs"].view.rows[-1]
     qtbot.waitUntil(lambda: row.bar.value() == 100)
     row.stop.click()
     qtbot.waitUntil(lambda: not window.panels["chart"].busy)
     assert not row.show_result.isVisible(), "a chart in a window is no file"
     assert window.panels["chart"].view._sentence.text() == "stopped"
+    # What cannot be charted is said.
 
-
-def test_a_viewer_closed_meanwhile_leaves_no_thread(window, qtbot):
-    def endless(scene, progress):
-        while True:
-            progress(0.1)
-
-    window.panels["chart"].measure = endless
-    window.panels["chart"].view.measure.click()
-    window.window.close()
-    assert not window.panels["chart"].busy
-
-
-def test_what_cannot_be_charted_is_said(window, qtbot):
     def refuse(scene, progress):
         raise SceneError("track.pings: 0 is too few; give at least 1")
 
     window.panels["chart"].measure = refuse
     measure(window, qtbot)
     assert "too few" in window.panels["chart"].view._sentence.text()
-
-
-def test_it_is_saved(window, qtbot, tmp_path, monkeypatch):
-    measure(window, qtbot)
-    view = window.panels["chart"].view
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
-    view.save.click()
-    qtbot.waitUntil(lambda: "saved" in view._sentence.text())
-    assert "1,000 rays" in (tmp_path / "c.csv").read_text()
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
-    view.save.click()
-    qtbot.waitUntil(lambda: "saved" not in view._sentence.text())
-    assert ".png" in view._sentence.text()
+    # A viewer that is closed meanwhile leaves no thread.
+    window.panels["chart"].measure = endless
+    window.panels["chart"].view.measure.click()
+    window.window.close()
+    assert not window.panels["chart"].busy
 
 
 def test_points_lie_where_they_are_drawn(small):

@@ -34,7 +34,7 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     assert kept._surface is None
 
 
-def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
+def test_no_worker_collects_what_belongs_to_a_window_and_a_scene_frees_the_one_before(viewer, small, qtbot):
     part, ends, done = QObject(), [], []
     part.itself = part
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
@@ -45,6 +45,14 @@ def test_no_worker_collects_what_belongs_to_a_window(viewer, qtbot):
     qtbot.waitUntil(lambda: bool(ends))
     assert kept
     assert ends == [threading.main_thread()]
+    # Opening a scene frees what the one before held.
+    part = QObject()
+    part.itself = part
+    gc.collect()  # so that only a full collection finds it
+    gone = weakref.ref(part)
+    del part
+    viewer.open(edit(small, {"seed": 7}))
+    qtbot.waitUntil(lambda: viewer.complete and gone() is None)
 
 
 def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
@@ -66,16 +74,6 @@ def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
     going.set()
 
 
-def test_opening_a_scene_frees_what_the_one_before_held(open_viewer, small, qtbot):
-    viewer, part = open_viewer(small), QObject()
-    part.itself = part
-    gc.collect()  # so that only a full collection finds it
-    gone = weakref.ref(part)
-    del part
-    viewer.open(edit(small, {"seed": 7}))
-    qtbot.waitUntil(lambda: viewer.complete and gone() is None)
-
-
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
 def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy):
     viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
@@ -93,6 +91,7 @@ def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy)
     going.set()
 
 
+@pytest.mark.usefixtures("drawn_seabed")
 def test_beds_share_one_texture(viewer, qtbot):
     view = viewer.seabed.view
     texture, before = view._bed_actor.texture, view.grab().toImage()

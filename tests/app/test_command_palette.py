@@ -8,7 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QGuiApplication
 
 from insonify.files import bundled_lessons
-from insonify.scene import bundled_scenes, scene_from_toml
+from insonify.scene import bundled_scenes, load_scene, scene_from_toml
 from insonify_viewer.panels.panel import Entry
 from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.window.command_palette import find_entries
@@ -49,8 +49,8 @@ def test_the_palette_finds_everything_and_does_it(open_viewer, small, qtbot):
     do("lesson first return")
     assert viewer.panels["lessons"].progress is not None
     viewer.panels["lessons"].leave()
-    do("scene endless")
-    assert viewer.session.scene.title == "A tow without an end"
+    do("scene pipe-on-bed")
+    assert viewer.session.scene == load_scene("pipe-on-bed")
 
 
 def test_the_menu_of_a_record_explains_marks_and_copies(open_viewer, small):

@@ -159,7 +159,7 @@ def pixels(view, plot: QRect) -> np.ndarray:
     return words[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1].copy()
 
 
-def test_a_kept_record_stays_while_the_scene_changes(compared):
+def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compared, qtbot):
     kept = compared.comparison.kept
     assert kept.scene == edit(compared.session.scene, DARK)
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
@@ -175,9 +175,7 @@ def test_a_kept_record_stays_while_the_scene_changes(compared):
     shown = compared.panels["comparison"].view
     assert "0.2 → 0.4" in shown.changes.text()
     assert "+6 dB" in shown.changes.text()
-
-
-def test_both_records_are_named_where_they_stand_side_by_side(compared, qtbot):
+    # Both are named where they stand side by side.
     views = compared.window.record_a, compared.window.waterfall
     assert [view._title for view in views] == ["", ""]
     compared.comparison.arrange(Arrangement.BESIDE)
@@ -186,6 +184,17 @@ def test_both_records_are_named_where_they_stand_side_by_side(compared, qtbot):
     assert views[1]._title == "B  material diffuse 0.5"
     compared.comparison.arrange(Arrangement.ALONE)
     assert [view._title for view in views] == ["", ""]
+    window = compared.window
+    window.gain.setValue(60)
+    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
+    window.palettes.setCurrentText("grey")
+    window.palettes.activated.emit(window.palettes.currentIndex())
+    compared.session.show(ground_range=True, side="starboard")
+    one, other = window.record_a.tone_map, window.waterfall.tone_map
+    assert one.ends == other.ends
+    np.testing.assert_array_equal(one.table, other.table)
+    window.waterfall.grab()
+    assert window.record_a.projection.axis == window.waterfall.projection.axis
 
 
 def test_the_key_works_wherever_the_keyboard_is_but_where_text_is_typed(compared, qtbot):
@@ -228,20 +237,6 @@ def in_view(window, kind):
     return next(child for child in shown if child.focusPolicy() != Qt.FocusPolicy.NoFocus)
 
 
-def test_both_records_have_one_display(compared, qtbot):
-    window = compared.window
-    window.gain.setValue(60)
-    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
-    window.palettes.setCurrentText("grey")
-    window.palettes.activated.emit(window.palettes.currentIndex())
-    compared.session.show(ground_range=True, side="starboard")
-    one, other = window.record_a.tone_map, window.waterfall.tone_map
-    assert one.ends == other.ends
-    np.testing.assert_array_equal(one.table, other.table)
-    window.waterfall.grab()
-    assert window.record_a.projection.axis == window.waterfall.projection.axis
-
-
 def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
     compared.session.undo()
     view, overlay = compared.window.waterfall, compared.window.overlay
@@ -262,7 +257,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
         QTest.keyRelease(compared.window, Qt.Key.Key_X)
 
 
-def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):
+def test_a_lies_left_of_a_line_that_is_dragged_or_is_drawn_as_a_difference_with_a_scale(compared, qtbot):
     window, overlay = compared.window, compared.window.overlay
     bright = colour(compared)
     press(compared, "W")
@@ -286,23 +281,19 @@ def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared, qtbot):
     press(compared, "W")
     assert compared.comparison.arrangement is Arrangement.ALONE
     assert not overlay.covers(middle(compared))
-
-
-def test_the_difference_is_drawn_in_decibels_with_a_scale(compared, qtbot):
     press(compared, "D")
-    before = compared.window.waterfall.grab().toImage()
-    picture = compared.window.overlay.difference
+    before = window.waterfall.grab().toImage()
+    picture = overlay.difference
     assert picture.span == 12.0  # 6.02 dB, and a little less near the floor
     held = picture.pixels[:, picture.pixels.shape[1] // 4]
     assert len(set(held.tolist())) == 1, "every ping is as much louder"
     compared.session.undo()
     qtbot.waitUntil(lambda: compared.complete)
-    assert compared.window.waterfall.grab().toImage() != before
-    assert compared.window.overlay.difference.span == SPANS[0], "both are the same"
+    assert window.waterfall.grab().toImage() != before
+    assert overlay.difference.span == SPANS[0], "both are the same"
 
 
-def test_linked_records_zoom_scroll_and_point_together(compared, qtbot):
-    """The padlock parts them."""
+def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_them(compared, qtbot):
     window, links = compared.window, compared.comparison.links
     live, beside = window.waterfall, window.record_a
     compared.comparison.arrange(Arrangement.BESIDE)
@@ -328,45 +319,18 @@ def test_linked_records_zoom_scroll_and_point_together(compared, qtbot):
     assert live._zoom != Zoom()
     live.hovered.emit(None)
     assert beside._marks.cross == mark
-
-
-def test_a_returns_with_its_modelling(compared, qtbot):
-    live = compared.session.scene
+    # A returns with its modelling.
+    shown = compared.session.scene
     compared.session.model(Modelling(0.1))
     press(compared, "Shift+K")
     assert compared.session.scene == compared.comparison.kept.scene
     assert compared.session.modelling == Modelling()
     compared.session.undo()
-    assert compared.session.scene == live
+    assert compared.session.scene == shown
     assert compared.session.modelling == Modelling(0.1)
 
 
-def test_another_scene_with_other_bins_stands_beside(compared, small, qtbot):
-    compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
-    qtbot.waitUntil(lambda: compared.complete)
-    assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
-    place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
-    assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)
-    compared.comparison.arrange(Arrangement.BESIDE)
-    assert compared.window.record_a.isVisible()
-    assert compared.window.waterfall.isVisible()
-    compared.comparison.arrange(Arrangement.DIFFERENCE)
-    assert not compared.window.record_a.isVisible()
-    compared.window.waterfall.grab()
-    assert compared.window.overlay.difference.pixels.shape[0] == 64
-
-
-def test_a_scene_is_traced_as_a(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, LIGHT))
-    viewer.comparison.keep_scene(edit(small, DARK))
-    qtbot.waitUntil(lambda: viewer.complete)
-    np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
-    viewer.comparison.keep_scene(edit(small, {"seed": 666}))
-    qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
-    assert viewer.comparison.a is None
-
-
-def test_without_a_and_without_a_partner_the_keys_say_so(viewer, small):
+def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced_as_a(viewer, small, qtbot):
     for key in ("W", "D", "Shift+K"):
         press(viewer, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -379,6 +343,13 @@ def test_without_a_and_without_a_partner_the_keys_say_so(viewer, small):
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
     press(viewer, "P")
     assert "no-such-scene" in viewer.window.status.sentence.text()
+    assert viewer.comparison.a is None
+    viewer.session.open(edit(small, LIGHT))
+    viewer.comparison.keep_scene(edit(small, DARK))
+    qtbot.waitUntil(lambda: viewer.complete)
+    np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
+    viewer.comparison.keep_scene(edit(small, {"seed": 666}))
+    qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
     assert viewer.comparison.a is None
 
 
@@ -404,33 +375,27 @@ def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
     assert panel.title.text().startswith("Compare two records")
 
 
-@pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
-def test_one_action_opens_a_pair(viewer, qtbot, name):
-    panel = viewer.panels["comparison"].view
-    assert not panel.partner.isEnabled()
-    panel._pairs_menu.aboutToShow.emit()
-    actions = {action.data(): action for action in panel._pairs_menu.actions()}
-    assert sorted(actions) == ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"]
-    actions[name].trigger()
-    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference), timeout=120000)
-    assert viewer.session.scene == load_scene(name)
-    assert viewer.comparison.kept.scene == load_partner(load_scene(name))
-    assert not viewer.comparison.kept.record.missing(viewer.window.waterfall.top, 0).size
-    assert viewer.comparison.changes
-    assert panel.partner.isEnabled()
-
-
-def test_pairs_are_read_before_their_menu_opens(open_viewer, small, qtbot):
+def test_one_action_opens_a_pair_of_those_that_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     find_pairs.cache_clear()
     viewer = open_viewer(small)
     panel = viewer.panels["comparison"].view
     assert not panel._pairs_menu.actions()
     bring_to_front(viewer.window, "comparison")
     qtbot.waitUntil(lambda: bool(panel._pairs_menu.actions()))
-    assert len(panel._pairs_menu.actions()) == 4
     viewer.panels["comparison"].opened(True)
     panel._pairs_menu.aboutToShow.emit()
+    actions = {action.data(): action for action in panel._pairs_menu.actions()}
+    assert sorted(actions) == ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"]
     assert len(panel._pairs_menu.actions()) == 4
+    assert not panel.partner.isEnabled()
+    for name, action in actions.items():
+        action.trigger()
+        qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference), timeout=120000)
+        assert viewer.session.scene == load_scene(name)
+        assert viewer.comparison.kept.scene == load_partner(load_scene(name))
+        assert not viewer.comparison.kept.record.missing(viewer.window.waterfall.top, 0).size
+        assert viewer.comparison.changes
+        assert panel.partner.isEnabled()
 
 
 def test_a_pair_is_drawn_by_a_command(tmp_path):
@@ -442,7 +407,7 @@ def test_a_pair_is_drawn_by_a_command(tmp_path):
     assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2
 
 
-def test_a_follows_the_pings_of_b_and_a_tow_that_runs(compared, qtbot):
+def test_a_follows_the_pings_of_b_a_tow_that_runs_and_another_scene(compared, small, qtbot):
     kept = compared.comparison.kept
     compared.tow.speed = 4.0
     compared.tow.restart(1000)  # past the targets, before which the tow would pause
@@ -457,3 +422,16 @@ def test_a_follows_the_pings_of_b_and_a_tow_that_runs(compared, qtbot):
     assert compared.window.record_a.top == compared.window.waterfall.top == 400
     np.testing.assert_array_equal(np.sort(kept.record.ping), np.sort(compared.record.ping))
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+    # Another scene with other bins stands beside it.
+    compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
+    qtbot.waitUntil(lambda: compared.complete)
+    assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
+    place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
+    assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)
+    compared.comparison.arrange(Arrangement.BESIDE)
+    assert compared.window.record_a.isVisible()
+    assert compared.window.waterfall.isVisible()
+    compared.comparison.arrange(Arrangement.DIFFERENCE)
+    assert not compared.window.record_a.isVisible()
+    compared.window.waterfall.grab()
+    assert compared.window.overlay.difference.pixels.shape[0] == 64

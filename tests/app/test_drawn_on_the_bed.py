@@ -23,6 +23,8 @@ from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
 from insonify_viewer.seabed.pv_meshes import BedPatch
 from insonify_viewer.widgets.painting import make_polyline
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.mark.parametrize("heading", [0.0, 30.0, 180.0])
 @pytest.mark.parametrize("side", [0, 1])
@@ -57,7 +59,7 @@ def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
     np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
 
 
-def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(viewer, qtbot):
+def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_taken_off(viewer, qtbot):
     shown = []
     show = viewer.seabed.view.show_texture
     viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
@@ -67,13 +69,11 @@ def test_the_option_lays_the_record_over_the_bed_and_takes_it_off(viewer, qtbot)
     viewer.session.show(draped=False)
     qtbot.waitUntil(lambda: len(shown) == 2)
     assert (shown[1] == viewer.seabed._patch.image).all()
-
-
-def test_the_record_stays_over_the_bed_when_the_window_of_the_bed_moves(viewer, qtbot):
+    # The record stays over the bed when the window of the bed moves.
     seabed, bare = viewer.seabed, []
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: seabed.complete)
-    show, patch = seabed.view.show_texture, seabed._patch
+    patch = seabed._patch
     seabed.view.show_texture = lambda image: (bare.append((image == seabed._patch.image).all()), show(image))
     viewer.go_to(viewer.tow.newest + 60)
     qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
@@ -175,7 +175,7 @@ def test_a_shadow_is_the_triangle_between_tangents_and_bed(name, clear):
         assert area == pytest.approx(whole - before, rel=0.01)
 
 
-def test_shadows_gather_as_the_fish_passes_and_go_with_the_scene(open_viewer, qtbot):
+def test_the_fan_is_shown_and_shadows_gather_as_the_fish_passes_until_they_are_switched_off(open_viewer, qtbot):
     viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
     view = viewer.seabed.view
     viewer.seabed.show_shadows(True)
@@ -186,6 +186,15 @@ def test_shadows_gather_as_the_fish_passes_and_go_with_the_scene(open_viewer, qt
     viewer.seabed.show_shadows(False)
     qtbot.waitUntil(lambda: not view.shadows)
     assert not view._shadow_actor.visibility
+    # The fan that is cut is shown.
+    viewer.go_to(40)
+    expected = fan_sheet(viewer._answer.simulation, 40).lit
+
+    def shown():
+        points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
+        return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
+
+    qtbot.waitUntil(shown)
 
 
 def test_triangles_are_few_and_narrow():
@@ -200,22 +209,10 @@ def test_triangles_are_few_and_narrow():
     assert (far_ends(triangles)[:, 2] >= ground - 0.02).all()
 
 
-def test_the_window_shows_the_fan_that_is_cut(open_viewer, qtbot):
-    viewer = open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500}), prepare=None)
-    viewer.go_to(40)
-    view = viewer.seabed.view
-    expected = fan_sheet(viewer._answer.simulation, 40).lit
-
-    def shown():
-        points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
-        return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
-
-    qtbot.waitUntil(shown)
-
-
 @pytest.mark.parametrize("name", ["double-image", "endless"])
 def test_a_fan_without_a_section_is_drawn_whole(name):
-    simulation = prepare(edit(load_scene(name), {"track.pings": 32}), forced={"planes": "1", "rays": "1000"})
+    scene = edit(load_scene(name), {"track.pings": 32, "sonar.bins": 100, "seabed.spacing": 0.4})
+    simulation = prepare(scene, forced={"method": "rays", "rays": "1000"})
     triangles, shaded = fan_sheet(simulation, 10)
     assert not len(shaded)
     assert triangles.shape[1:] == (3, 3)

@@ -37,8 +37,8 @@ def summing(monkeypatch):
 
 
 def test_the_main_thread_never_sums_the_relief(open_viewer, summing, qtbot):
-    scene = edit(load_scene("endless"), {"sonar.bins": 100, "sonar.range": 25.0, "track.pings": 128, "seed": 77})
-    viewer = open_viewer(scene, prepare=prepare)
+    few = {"sonar.bins": 100, "sonar.range": 25.0, "track.pings": 128, "seabed.spacing": 0.4}
+    viewer = open_viewer(edit(load_scene("endless"), few | {"seed": 77}), prepare=prepare)
     qtbot.waitUntil(lambda: viewer.seabed.complete)
     ARRAYS.clear()  # as when other scenes were open meanwhile
     summing.append("looking back")
@@ -65,7 +65,8 @@ def spacings_of_dragged(viewer, qtbot, changes: dict[str, Any]) -> list[tuple[bo
 
 
 def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):
-    scene = edit(load_scene("endless"), {"sonar.bins": 100, "sonar.range": 20.0, "track.pings": 64, "seed": 78})
+    few = {"sonar.bins": 100, "sonar.range": 20.0, "track.pings": 64, "seabed.spacing": 0.4}
+    scene = edit(load_scene("endless"), few | {"seabed.relief.of.1.wavelength": 8.0, "seed": 78})
     viewer = open_viewer(scene, prepare=None)
     grounds = []
     viewer.simulator.answered.connect(lambda answer: grounds.append(answer.simulation.ground))

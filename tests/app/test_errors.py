@@ -30,7 +30,7 @@ def copied(viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(viewer):
+def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_also_by_the_keyboard(viewer):
     status = viewer.window.status
     viewer.window.say("a sentence before")
     assert not status.copy.isVisible()
@@ -46,9 +46,7 @@ def test_a_mistake_is_copied_with_versions_scene_and_what_was_said(viewer):
     assert "Traceback" not in text, "a mistake of the person needs none"
     viewer.window.say("another sentence")
     assert not status.copy.isVisible()
-
-
-def test_the_button_is_reached_by_the_keyboard(viewer):
+    # The button is reached by the keyboard.
     viewer.window.complain(SceneError("track.pings: 0 is too few; give at least 1"))
     button = viewer.window.status.copy
     button.setFocus()
@@ -72,7 +70,7 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qt
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
+def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(viewer, qtbot):
     def fail():
         raise KeyError("no such thing")
 
@@ -84,22 +82,10 @@ def test_a_fault_in_a_slot_is_one_sentence_and_the_window_lives(viewer, qtbot):
     assert "in fail" in copied(viewer)
     assert viewer.session.settle({"track.altitude": 8.0})
     qtbot.waitUntil(lambda: viewer.complete)
-
-
-def test_a_file_that_is_damaged_while_it_is_shown_is_no_fault_of_the_program(viewer, qtbot):
-    def fail():
-        raise SceneError("tow.csv: has no rows; export it again")
-
-    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        QTimer.singleShot(0, fail)
-        qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
-    assert not printed
-
-
-def test_a_fault_in_a_thread_beside_the_window_is_told_once(viewer, qtbot):
+    # A file that is damaged is no fault of the program; one in a thread beside the window is told once.
     received = []
 
-    def fail():
+    def fail_in_thread():
         int(float("nan"))
 
     def refuse():
@@ -110,13 +96,20 @@ def test_a_fault_in_a_thread_beside_the_window_is_told_once(viewer, qtbot):
         viewer.simulator.executor.submit("test", errand, received.append)
         qtbot.waitUntil(lambda: len(received) > count)
 
+    def be_damaged():
+        raise SceneError("tow.csv: has no rows; export it again")
+
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        for errand in (refuse, fail, fail, lambda: 7, fail):
+        QTimer.singleShot(0, be_damaged)
+        qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
+    assert not printed
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
+        for errand in (refuse, fail_in_thread, fail_in_thread, lambda: 7, fail_in_thread):
             run(errand)
         assert received == [None, None, None, 7, None]
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
-        assert "in fail" in copied(viewer)
+        assert "in fail_in_thread" in copied(viewer)
 
 
 def test_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
@@ -131,7 +124,7 @@ def test_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
     assert "in fail" in copied(viewer)
 
 
-def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
+def test_a_job_that_failed_or_crashed_offers_its_details(viewer, qtbot, tmp_path):
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")
@@ -144,9 +137,9 @@ def test_a_job_that_failed_offers_its_details(viewer, qtbot, tmp_path):
     QGuiApplication.clipboard().clear()
     QTest.mouseClick(row.copy, Qt.MouseButton.LeftButton)
     assert QGuiApplication.clipboard().text().startswith(row.words.text())
-
-
-def test_a_command_that_crashes_leaves_its_traceback(viewer, qtbot):
+    # So does a command that crashes.
+    viewer.window.say("another sentence")
+    assert not viewer.window.status.copy.isVisible()
     job = viewer.jobs.begin("crash", ["render", "--display", "palette=none-such"], Path("none.png"))
     qtbot.waitUntil(lambda: not job.running)
     assert job.sentence

@@ -12,15 +12,6 @@ from insonify.scene import bundled_meshes, bundled_scenes, edit, scene_to_toml
 from insonify_viewer.window.settings import RECENT, Settings
 
 
-def test_a_scene_is_dropped(open_viewer, small, tmp_path):
-    path = tmp_path / "other.toml"
-    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
-    viewer = open_viewer(small)
-    drop(viewer.window, path)
-    assert viewer.session.scene.track.altitude == 6.5
-    assert viewer.session.file == str(path)
-
-
 def said(viewer) -> str:
     return str(viewer.window.status.sentence.text())
 
@@ -57,7 +48,7 @@ def bed(tmp_path):
     return path
 
 
-def test_a_bed_is_dropped_and_opened_again(viewer, small, qtbot, bed):
+def test_a_bed_is_dropped_opened_again_and_asks_about_changes(viewer, small, qtbot, bed, monkeypatch):
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
         qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
@@ -65,13 +56,10 @@ def test_a_bed_is_dropped_and_opened_again(viewer, small, qtbot, bed):
         assert Settings().recent == [str(bed)]
         viewer.session.undo()
         assert viewer.session.scene == small
-
-
-def test_a_bed_asks_about_unsaved_changes(open_viewer, small, qtbot, bed, monkeypatch):
+    # It asks about unsaved changes.
     asked, answer = [], {0: QMessageBox.StandardButton.Cancel}  # at first
     discard = QMessageBox.StandardButton.Discard
     monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), answer.pop(0, discard))[1])
-    viewer = open_viewer(small)
     viewer.session.settle({"track.altitude": 7.0})
     changed = viewer.session.scene
     drop(viewer.window, bed)
@@ -90,7 +78,14 @@ def cast(tmp_path):
     return path
 
 
-def test_a_cast_is_dropped_and_opened_again(open_viewer, small, qtbot, cast):
+@pytest.fixture
+def tow(tmp_path):
+    path = tmp_path / "tow.csv"
+    path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
+    return path
+
+
+def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, qtbot, cast, tow):
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
@@ -101,38 +96,16 @@ def test_a_cast_is_dropped_and_opened_again(open_viewer, small, qtbot, cast):
         assert Settings().recent == [str(cast)]
         viewer.session.undo()
         assert viewer.session.scene.water.kind == "uniform"
-
-
-@pytest.fixture
-def tow(tmp_path):
-    path = tmp_path / "tow.csv"
-    path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
-    return path
-
-
-def test_navigation_is_dropped_and_opened_again(viewer, small, qtbot, tow):
+    before = viewer.session.scene
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
         qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded")
         assert viewer.session.scene.track.motion.path == str(tow)
         assert said(viewer) == "navigation of tow.csv: x, y, heading at 31 times, 30 s in all"
         assert viewer.window.undo.text() == "Undo: navigation of tow.csv"
-        assert Settings().recent == [str(tow)]
+        assert Settings().recent == [str(tow), str(cast)]
         viewer.session.undo()
-        assert viewer.session.scene == small
-
-
-def test_a_file_that_a_field_takes_over_is_among_recent_ones(viewer, cast, tow, bed, monkeypatch):
-    settle = viewer.panels["parameters"]._settle
-    for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
-        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
-        settle(path, kind)
-    assert Settings().recent == [str(tow), str(cast)]
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tow.with_name("none.csv")), ""))
-    settle("track.motion.kind", "straight")
-    settle("water.kind", "uniform")
-    settle("water.kind", "cast")
-    assert len(Settings().recent) == 2, "what is not there is not among them"
+        assert viewer.session.scene == before
 
 
 @pytest.mark.parametrize("suffix", [".geojson", ".csv"])
@@ -156,7 +129,9 @@ def test_contacts_are_dropped_and_opened_by_menu(open_viewer, small, tmp_path, s
     assert len(viewer.contacts) == 2
 
 
-def test_what_cannot_be_opened_is_refused_in_one_sentence(viewer, small, qtbot, cast, tow, tmp_path):
+def test_a_file_is_refused_in_one_sentence_or_taken_over_by_a_field_and_among_recent_ones(
+    viewer, small, qtbot, cast, tow, tmp_path, monkeypatch
+):
     drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
@@ -167,6 +142,17 @@ def test_what_cannot_be_opened_is_refused_in_one_sentence(viewer, small, qtbot, 
     qtbot.waitUntil(lambda: "has no column time" in said(viewer))
     assert viewer.session.scene == small
     assert Settings().recent == []
+    # One that a field takes over is among the recent ones.
+    settle = viewer.panels["parameters"]._settle
+    for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
+        settle(path, kind)
+    assert Settings().recent == [str(tow), str(cast)]
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tow.with_name("none.csv")), ""))
+    settle("track.motion.kind", "straight")
+    settle("water.kind", "uniform")
+    settle("water.kind", "cast")
+    assert len(Settings().recent) == 2, "what is not there is not among them"
 
 
 def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer, small, tmp_path):
@@ -191,6 +177,15 @@ def test_recent_files_are_kept_and_vanished_ones_said_so(open_viewer, small, tmp
     menu.fill()
     next(action for action in menu.actions() if action.text() == "Clear the list").trigger()
     assert Settings().recent == []
+    # Bundled scenes are not among them.
+    path = tmp_path / "other.toml"
+    path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
+    for name in ("default", "pipe-on-bed"):
+        viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
+        assert Settings().recent == [], "one that comes with the program is not among them"
+    drop(viewer.window, path)
+    assert viewer.session.scene.track.altitude == 6.5
+    assert viewer.session.file == str(path)
 
 
 def test_the_list_has_an_end(tmp_path):
@@ -199,9 +194,3 @@ def test_the_list_has_an_end(tmp_path):
         settings.add_recent(str(tmp_path / f"{number}.toml"))
     assert len(Settings().recent) == RECENT
     assert Settings().recent[0].endswith(f"{RECENT + 4}.toml")
-
-
-@pytest.mark.parametrize("name", ["default", "wreck"])
-def test_bundled_scenes_are_not_among_them(viewer, name):
-    viewer.window.scenes.wanted.emit(str(bundled_scenes()[name]))
-    assert Settings().recent == []

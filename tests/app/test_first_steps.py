@@ -140,6 +140,7 @@ def test_a_picture_is_saved(viewer, hand, qtbot, tmp_path):
 
     def name(dialog):
         line = dialog.findChild(QLineEdit)
+        assert dialog.focusWidget() is line, "it takes what is typed at once"
         line.setCompleter(None)  # its list comes up at once or a moment later, and would take the key
         hand.type(line, str(path))
         hand.key(line, Qt.Key.Key_Return)

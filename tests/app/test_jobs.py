@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from controls import accessible_name, activate
 from PIL import Image
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 
 from insonify import simulate
 from insonify.commands.render import write
@@ -117,8 +117,8 @@ def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch):
     assert told == [None, 10.0, None, None, 9.0, 12.0]
 
 
-def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, monkeypatch):
-    viewer = open_viewer(knife)
+def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp_path, monkeypatch):
+    viewer = open_viewer(edit(knife, {"track.heading": 30.0, "track.start": [5.0, -3.0]}))
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
     view = jobs_of(viewer)
@@ -139,6 +139,39 @@ def test_charts_data_sets_and_pages_are_commands(open_viewer, knife, tmp_path, m
     )
     assert dataset == ("dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "3")
     assert page == ("stability", "-o", str(tmp_path / "page.html"))
+    # A survey of the scene covers the area of the question.
+
+    def answer(question: SurveyQuestion) -> bool:
+        for spin, value in ((question.length, 40.0), (question.width_, 60.0), (question.spacing, 20.0)):
+            spin.setValue(value)
+        question.overlap.setCurrentText("nearest")
+        return True
+
+    monkeypatch.setattr(SurveyQuestion, "exec", answer)
+    view.survey_wanted.emit()
+    specification = read_specification(begun[-1][1], SurveySpecification, {}, {})
+    assert specification.mosaic.overlap == "nearest"
+    lines = lay_lines(specification)
+    ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
+    for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
+        ends = np.array([line.start, line.end]) - (5.0, -3.0)
+        np.testing.assert_allclose(sorted(ends @ ahead), [0.0, 40.0], atol=0.01)
+        np.testing.assert_allclose(ends @ aside, offset, atol=0.01)
+    # A data set of the scene draws fields and places.
+    scene = edit(load_scene("default"), {"track.pings": 64})
+    viewer.open(scene)
+    ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
+    monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
+    view.dataset_wanted.emit()
+    specification = read_specification(begun[-1][1], DatasetSpecification, {}, {})
+    drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
+    altitudes = [one.scene.track.altitude for one in drawn]
+    assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)
+    assert max(altitudes) - min(altitudes) > 1.0
+    assert {len(one.scene.targets) for one in drawn} == {0, len(scene.targets)}  # a fifth of the scenes shows none
+    assert {"pipe", "sphere"} == {target.kind for one in drawn for target in one.scene.targets}
+    places = {one.scene.targets[0].position for one in drawn if one.scene.targets}
+    assert len(places) > 10
 
 
 def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str, str]) -> bool:
@@ -150,48 +183,6 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
         for column, text in enumerate(ranges.get(field.path.replace(".", "_"), ())):
             question.drawn.item(row, column + 1).setText(text)
     return True
-
-
-def test_a_data_set_of_the_scene_draws_fields_and_places(open_viewer, tmp_path, monkeypatch):
-    scene = edit(load_scene("default"), {"track.pings": 64})
-    viewer = open_viewer(scene)
-    begun = []
-    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments[1]))
-    ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
-    monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
-    jobs_of(viewer).dataset_wanted.emit()
-    specification = read_specification(begun[0], DatasetSpecification, {}, {})
-    drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
-    altitudes = [one.scene.track.altitude for one in drawn]
-    assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)
-    assert max(altitudes) - min(altitudes) > 1.0
-    assert {len(one.scene.targets) for one in drawn} == {0, len(scene.targets)}  # a fifth of the scenes shows none
-    assert {"pipe", "sphere"} == {target.kind for one in drawn for target in one.scene.targets}
-    places = {one.scene.targets[0].position for one in drawn if one.scene.targets}
-    assert len(places) > 10
-
-
-def test_a_survey_of_the_scene_covers_the_area_of_the_question(open_viewer, knife, tmp_path, monkeypatch):
-    viewer = open_viewer(edit(knife, {"track.heading": 30.0, "track.start": [5.0, -3.0]}))
-    begun = []
-    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments[1]))
-
-    def answer(question: SurveyQuestion) -> bool:
-        for spin, value in ((question.length, 40.0), (question.width_, 60.0), (question.spacing, 20.0)):
-            spin.setValue(value)
-        question.overlap.setCurrentText("nearest")
-        return True
-
-    monkeypatch.setattr(SurveyQuestion, "exec", answer)
-    jobs_of(viewer).survey_wanted.emit()
-    specification = read_specification(begun[0], SurveySpecification, {}, {})
-    assert specification.mosaic.overlap == "nearest"
-    lines = lay_lines(specification)
-    ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
-    for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
-        ends = np.array([line.start, line.end]) - (5.0, -3.0)
-        np.testing.assert_allclose(sorted(ends @ ahead), [0.0, 40.0], atol=0.01)
-        np.testing.assert_allclose(ends @ aside, offset, atol=0.01)
 
 
 def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_path):
@@ -230,7 +221,7 @@ def test_times_to_wait_are_whole_numbers():
     assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
 
 
-def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer, knife, qtbot):
+def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, knife, qtbot):
     viewer = open_viewer(knife)
     going = threading.Event()
 
@@ -247,6 +238,45 @@ def test_the_bar_shortens_the_title_and_keeps_the_time_left(open_viewer, knife, 
     assert bar.fontMetrics().horizontalAdvance(words) <= bar.width()
     going.set()
     qtbot.waitUntil(lambda: not bar.isVisible())
+    # It opens the list, and stops the newest.
+    activate(viewer.window, qtbot)
+    older, newer = begin_waiting(viewer, "older"), begin_waiting(viewer, "newer")
+    qtbot.waitUntil(bar.isVisible)
+    bar.setFocus(Qt.FocusReason.TabFocusReason)
+    assert bar.focusPolicy() & Qt.FocusPolicy.TabFocus
+    heard = QAccessible.queryAccessibleInterface(bar)
+    qtbot.waitUntil(lambda: heard.text(QAccessible.Text.Description).startswith("newer"))
+    qtbot.keyClick(bar, Qt.Key.Key_Delete)
+    qtbot.waitUntil(lambda: not newer.running)
+    assert older.running
+    qtbot.keyClick(bar, Qt.Key.Key_Return)
+    view = viewer.panels["jobs"].widget
+    qtbot.waitUntil(view.isVisible)
+    older.stop()
+    qtbot.waitUntil(lambda: not older.running)
+    # Keys go from job to job in the order in which they stand.
+    view.forget.click()
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs)
+    activate(view, qtbot)
+    for title in ("first", "second", "third"):
+        begin_waiting(viewer, title)
+    first, second, third = view.rows
+    qtbot.waitUntil(first.isVisible)
+    view.forget.setFocus()
+    order = []
+    for _ in range(6):
+        press(qtbot, Qt.Key.Key_Tab)
+        order.append(focus())
+    assert order == [third, third.stop, second, second.stop, first, first.stop]
+    first.setFocus()
+    press(qtbot, Qt.Key.Key_Up)
+    assert focus() is second
+    press(qtbot, Qt.Key.Key_Delete)
+    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
+    assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
+    for job in viewer.jobs.running:
+        job.stop()
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
 
 
 def focus() -> QWidget:
@@ -311,70 +341,3 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     )  # a button that is pressed by its letter is shown pressed for a moment
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
-
-
-def test_keys_go_from_job_to_job_in_the_order_in_which_they_stand(viewer, qtbot):
-    view = jobs_of(viewer)
-    activate(view, qtbot)
-    for title in ("first", "second", "third"):
-        begin_waiting(viewer, title)
-    first, second, third = view.rows
-    qtbot.waitUntil(first.isVisible)
-    view.forget.setFocus()
-    order = []
-    for _ in range(6):
-        press(qtbot, Qt.Key.Key_Tab)
-        order.append(focus())
-    assert order == [third, third.stop, second, second.stop, first, first.stop]
-    first.setFocus()
-    press(qtbot, Qt.Key.Key_Up)
-    assert focus() is second
-    press(qtbot, Qt.Key.Key_Delete)
-    qtbot.waitUntil(lambda: not viewer.jobs.jobs[1].running)
-    assert [job.state for job in viewer.jobs.jobs] == [State.RUNNING, State.STOPPED, State.RUNNING]
-    for job in viewer.jobs.running:
-        job.stop()
-    qtbot.waitUntil(lambda: not viewer.jobs.running)
-
-
-def test_the_bar_of_the_window_opens_the_list_and_stops_the_newest(viewer, qtbot):
-    activate(viewer.window, qtbot)
-    older, newer = begin_waiting(viewer, "older"), begin_waiting(viewer, "newer")
-    bar = viewer.window.jobs
-    qtbot.waitUntil(bar.isVisible)
-    bar.setFocus(Qt.FocusReason.TabFocusReason)
-    assert bar.focusPolicy() & Qt.FocusPolicy.TabFocus
-    heard = QAccessible.queryAccessibleInterface(bar)
-    qtbot.waitUntil(lambda: heard.text(QAccessible.Text.Description).startswith("newer"))
-    qtbot.keyClick(bar, Qt.Key.Key_Delete)
-    qtbot.waitUntil(lambda: not newer.running)
-    assert older.running
-    qtbot.keyClick(bar, Qt.Key.Key_Return)
-    view = viewer.panels["jobs"].widget
-    qtbot.waitUntil(view.isVisible)
-    older.stop()
-    qtbot.waitUntil(lambda: not older.running)
-
-
-def test_a_file_is_named_by_the_keyboard(open_viewer, endless_work, qtbot, tmp_path):
-    """Through the dialog itself: its field has the keyboard, and Return saves."""
-    viewer = open_viewer(endless_work)
-    view = jobs_of(viewer)
-    activate(view, qtbot)
-    QApplication.setAttribute(Qt.ApplicationAttribute.AA_DontUseNativeDialogs)
-
-    def answer():
-        dialog, focused = QApplication.activeModalWidget(), QApplication.focusWidget()
-        # The keyboard may come to the dialog later than the dialog to the screen.
-        if not isinstance(dialog, QFileDialog) or focused is None or not dialog.isAncestorOf(focused):
-            QTimer.singleShot(50, answer)
-            return
-        qtbot.keyClicks(focus(), str(tmp_path / "record.nc"))
-        qtbot.keyClick(focus(), Qt.Key.Key_Return)
-
-    QTimer.singleShot(50, answer)
-    press(qtbot, Qt.Key.Key_Return)
-    (job,) = viewer.jobs.jobs
-    assert job.result == tmp_path / "record.nc"
-    job.stop()
-    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)

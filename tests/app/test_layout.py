@@ -12,10 +12,11 @@ from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPaint
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 import insonify_viewer
+from insonify.display.range_axis import SLANT, make_range_axis
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.record.projection import name_scale, plot_at_true_scale
-from insonify_viewer.record.record_overlays import draw_measured, write_towed
+from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
+from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
@@ -99,8 +100,13 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_the_window_fits_half_a_screen(viewer, qtbot):
+def test_tools_fit_900_px_and_the_window_half_a_screen(viewer, qtbot):
     window = viewer.window
+    bar = window.findChild(QToolBar)
+    assert bar.sizeHint().width() <= 900
+    window.resize(900, 540)
+    qtbot.waitUntil(lambda: window.width() == 900)
+    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
     assert window.minimumSizeHint().width() <= 800
     window.resize(800, 450)
     qtbot.waitUntil(lambda: window.width() == 800)
@@ -132,6 +138,24 @@ def test_a_measurement_stays_within_a_narrow_record(qapp):
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
     assert not drawn[:, 290:].any()
+
+
+@pytest.mark.parametrize("width", [150, 200, 280, 600])
+def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
+    axis = make_range_axis(SLANT, 500, 0.1, 10.0)
+    projection = Projection(axis, "both", True, Zoom(), 99, 100, lambda pings: np.full(pings.shape, 10.0))
+    image, taken = QImage(800, 200, QImage.Format.Format_RGB32), 60
+    image.fill(0)
+    painter = QPainter(image)
+    draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
+    name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
+    painter.end()
+    line = (np.frombuffer(image.constBits(), np.uint32).reshape(200, 800) & 0xFFFFFF)[150:168].any(axis=0)
+    assert not line[: 70 + taken].any()
+    drawn = np.flatnonzero(line)
+    assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
+    if width == 600:
+        assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
 
 
 def test_metres_towed_are_written_to_tenths():
@@ -179,8 +203,12 @@ def test_panels_at_both_sides_stay_within_the_window(width, viewer, qtbot):
     assert window.seabed.isVisible()
 
 
-@pytest.mark.parametrize("size", [(1280, 800), (1600, 1000)])
-def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, viewer, qtbot):
+def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(viewer, qtbot):
+    for size in ((1600, 1000), (1280, 800)):
+        check_room(viewer, size, qtbot)
+
+
+def check_room(viewer, size, qtbot):
     window = viewer.window
     window.resize(*size)
     for panel in ("lessons", "water"):
@@ -202,22 +230,13 @@ def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(size, viewer, qtbo
     qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
 
 
-def test_the_window_lies_on_its_screen_with_its_frame(window, monkeypatch):
-    room = window.screen().availableGeometry()
-    monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
-    window.resize(room.size())
-    window.fit_screen()
-    assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
-    assert window.statusBar().isVisible()
-
-
 def entries(menu: QMenu) -> list[QAction]:
     """Commands of a menu and of the menus in it."""
     found = [action for action in menu.actions() if not action.isSeparator()]
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window):
+def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window, qtbot, monkeypatch):
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
     listed = {action for menu in menus for action in entries(menu)}
@@ -229,17 +248,24 @@ def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window):
     keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
     del keys[""]
     assert [key for key, times in keys.items() if times > 1] == []
+    # The words about the program are copied.
+    next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
+    qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
+    copied = QGuiApplication.clipboard().text()
+    assert f"insonify {version('insonify')}" in copied
+    assert "MIT licence" in copied
+    assert "To cite it" in copied
+    # The window lies on its screen with its frame.
+    room = window.screen().availableGeometry()
+    monkeypatch.setattr(window, "frameGeometry", lambda: window.geometry().adjusted(-4, -30, 4, 4))
+    window.resize(room.size())
+    window.fit_screen()
+    assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
+    assert window.statusBar().isVisible()
 
 
-def test_tools_fit_900_px(window, qtbot):
-    bar = window.findChild(QToolBar)
-    assert bar.sizeHint().width() <= 900
-    window.resize(900, 540)
-    qtbot.waitUntil(lambda: window.width() == 900)
-    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
-
-
-def test_a_key_of_a_command_in_a_menu_works_and_is_listed(window, qtbot):
+def test_a_key_of_a_command_in_a_menu_works_and_every_key_is_listed(viewer, qtbot):
+    window = viewer.window
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())
@@ -249,10 +275,6 @@ def test_a_key_of_a_command_in_a_menu_works_and_is_listed(window, qtbot):
     assert {("Save scene", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
     others = {("show record A while held", "X"), ("find a parameter", "Ctrl+F"), ("zoom about the mouse", "Ctrl+wheel")}
     assert others <= pairs
-
-
-def test_every_key_that_is_made_is_listed(viewer, qtbot):
-    window = viewer.window
     for name in viewer.panels:
         window.open_panel(name)
     dialog = KeysDialog(window, window.menus.all)
@@ -272,12 +294,3 @@ def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
     groups = (dialog.list.topLevelItem(number) for number in range(dialog.list.topLevelItemCount()))
     rows = (group.child(number) for group in groups for number in range(group.childCount()))
     return {(row.text(0), row.text(1)) for row in rows}
-
-
-def test_about_is_copied(window, qtbot):
-    next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
-    qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
-    copied = QGuiApplication.clipboard().text()
-    assert f"insonify {version('insonify')}" in copied
-    assert "MIT licence" in copied
-    assert "To cite it" in copied

@@ -11,7 +11,6 @@ from insonify.lessons.states import LessonState, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
 from insonify_viewer.application import enlarge_text, keep_display
-from insonify_viewer.panels.lessons.progress import Progress
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.state.session import Session
@@ -105,12 +104,14 @@ def lit_rows(viewer) -> set[str]:
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
+def test_a_lesson_from_its_first_step_to_its_last_lights_its_fields(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page, session = panel.view.page, viewer.session
     assert (session.scene.title, session.scene.sonar.bins) == ("A pipe on the bed", 100)
     assert page.lesson.text() == "Range"
     assert page.step.text() == "1 of 3: See farther"
+    assert lit_rows(viewer) == {"sonar.range"}
+    assert not viewer.panels["parameters"].view.row("sonar.range").label.visibleRegion().isEmpty()
     assert not page.next.property("lit")
     assert not page.back.isEnabled()
     assert (session.scene.controls, session.display.scale, viewer.tow.running) == (("sonar.range",), "true", False)
@@ -133,12 +134,17 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
 
     page.next.click()
     assert page.step.text() == "2 of 3: Accept an error"
+    assert lit_rows(viewer) == set()
+    tolerance = viewer.panels["plan"].view._tolerance.label
+    assert tolerance.property("lit")
+    assert not tolerance.visibleRegion().isEmpty(), "the panel of the plan is in front"
     assert not page.answer.isVisible()
     assert not page.next.property("lit")
     session.model(session.modelling.tolerating(0.25))
     assert page.next.property("lit")
 
     page.next.click()
+    assert not tolerance.property("lit")
     assert session.scene.title.startswith("Three pairs of spheres, fan")
     assert session.modelling == Modelling()
     qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
@@ -148,22 +154,6 @@ def test_a_lesson_from_its_first_step_to_its_last(open_viewer, small, qtbot):
     page.next.click()
     assert panel.progress is None
     assert panel.view.list.lessons.item(0).text().startswith("✓")
-
-
-@pytest.mark.usefixtures("lessons")
-def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
-    parameters = viewer.panels["parameters"].view
-    assert lit_rows(viewer) == {"sonar.range"}
-    assert not parameters.row("sonar.range").label.visibleRegion().isEmpty()
-    panel.view.page.show_me.click()
-    panel.view.page.next.click()
-    assert lit_rows(viewer) == set()
-    plan = viewer.panels["plan"].view
-    assert plan._tolerance.label.property("lit")
-    assert not plan._tolerance.label.visibleRegion().isEmpty(), "the panel of the plan is in front"
-    panel.view.page.left.click()
-    assert not plan._tolerance.label.property("lit")
 
 
 @pytest.mark.usefixtures("lessons")
@@ -221,28 +211,23 @@ def shown(page) -> tuple[bool, bool]:
 
 
 @pytest.mark.usefixtures("asking")
-@pytest.mark.parametrize("first", ["answer", "move"])
-def test_the_explanation_waits_for_an_answer_and_the_move(first, open_viewer, small, qtbot):
+def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(open_viewer, small, qtbot):
     viewer, panel = started(open_viewer, small, qtbot)
     page = panel.view.page
-    assert page.ask.isVisible()
-    assert shown(page) == (False, False)
-    assert not page.reveal.isVisible()
     actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
-    for action in actions if first == "answer" else reversed(actions):
-        assert shown(page) == (False, False)
-        action()
-    assert shown(page) == (True, True)
-    assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
-    assert not page.ask.number.isEnabled()
-    viewer.session.settle({"sonar.range": 70.0})
-    assert "118 m" in page.verdict.text(), "it is judged once"
-
-
-@pytest.mark.usefixtures("asking")
-def test_a_prediction_is_judged_on_the_scene_with_the_move(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
-    page = panel.view.page
+    for order in (actions, actions[::-1]):
+        assert page.ask.isVisible()
+        assert not page.reveal.isVisible()
+        for action in order:
+            assert shown(page) == (False, False)
+            action()
+        assert shown(page) == (True, True)
+        assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
+        assert not page.ask.number.isEnabled()
+        viewer.session.settle({"sonar.range": 70.0})
+        assert "118 m" in page.verdict.text(), "it is judged once"
+        panel.start("range")
+        qtbot.waitUntil(lambda: viewer.complete)
     viewer.session.settle({"track.altitude": 20.0})  # her own scene
     page.ask.number.setText("113")
     page.ask.number.returnPressed.emit()
@@ -297,8 +282,8 @@ def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_
     assert panel.view.currentWidget() is panel.view.list
 
 
-def test_lessons_stand_under_the_titles_of_their_courses(open_viewer, small, qtbot):
-    _, panel = opened(open_viewer, small, qtbot)
+def test_lessons_stand_under_the_titles_of_their_courses_and_show_their_first_field(open_viewer, small, qtbot):
+    viewer, panel = opened(open_viewer, small, qtbot)
     page = panel.view.list
     texts = [page.lessons.item(row).text() for row in range(page.lessons.count())]
     assert texts[0] == "First look, 55 min"
@@ -308,6 +293,12 @@ def test_lessons_stand_under_the_titles_of_their_courses(open_viewer, small, qtb
     assert len(texts) - len(headings) == len(load_lessons())
     page.lessons.itemActivated.emit(page.lessons.item(0))
     assert panel.progress is None, "a heading starts nothing"
+    # Its first field comes into view with the scene of a lesson.
+    panel.start("time-varied-gain")
+    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
+    row = viewer.panels["parameters"].view.row("receiver.tvg.spreading")
+    qtbot.waitUntil(lambda: not row.label.visibleRegion().isEmpty(), timeout=5000)
+    assert row.label.property("lit")
 
 
 @pytest.mark.usefixtures("lessons")
@@ -389,24 +380,17 @@ def test_above_a_lesson_the_record_keeps_more_than_half_of_the_screen_of_a_lectu
 
 
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
-def test_every_field_of_every_lesson_is_in_the_window(name):
-    """What a step asks to move has a row among the parameters, a choice in the plan, or a curve in the water panel."""
-    lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
-    progress = Progress(lesson)
-    for index, step in enumerate(lesson.steps):
-        progress.go_to(index)
-        scenes = [progress.start.scene, progress.start.moved(step.move).scene]
-        rows = {row.path for scene in scenes for section in sections_of(scene) for row in section.parameters}
-        for path in step.move:
-            curve = path.startswith(("water.depth.", "water.sound_speed."))
-            assert path in rows or curve or path.startswith(("plan.", "point.")), path
+def test_every_field_of_a_lesson_is_in_the_window_and_every_move_is_noticed_as_it_makes_it(name):
+    """A field has a row, a choice in the plan, or a curve of the water.
 
-
-@pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
-def test_every_move_of_every_lesson_is_noticed_as_the_window_makes_it(name):
-    """With the dependent edits that the window adds, one field after the other as by hand, and all at once."""
+    A move has the dependent edits that the window adds, one field after the other as by hand, and all at once.
+    """
     lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
     for step, start, end in states_of(lesson):
+        scenes = [start.scene, start.moved(step.move).scene]
+        rows = {row.path for scene in scenes for section in sections_of(scene) for row in section.parameters}
+        elsewhere = ("water.depth.", "water.sound_speed.", "plan.", "point.")
+        assert all(path in rows or path.startswith(elsewhere) for path in step.move), step.move
         inside, _ = split_move(step.move)
         for changes in ([inside], [{path: value} for path, value in inside.items()]):
             session = Session(start.scene)
@@ -434,15 +418,6 @@ def test_the_plan_offers_every_choice_that_a_lesson_forces(name, step, start, en
             assert choice in entry.options
 
 
-def test_the_first_field_of_a_lesson_comes_into_view_with_its_scene(open_viewer, small, qtbot):
-    viewer, panel = opened(open_viewer, small, qtbot)
-    panel.start("time-varied-gain")
-    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
-    row = viewer.panels["parameters"].view.row("receiver.tvg.spreading")
-    qtbot.waitUntil(lambda: not row.label.visibleRegion().isEmpty(), timeout=5000)
-    assert row.label.property("lit")
-
-
 def test_a_lesson_begins_with_the_window(open_viewer, qtbot):
     """As ``insonify view --lesson`` begins one: in a window that shows its scene already."""
     lesson = parse_lesson(LESSON, "range")
@@ -456,3 +431,5 @@ def test_a_lesson_begins_with_the_window(open_viewer, qtbot):
     assert lit_rows(viewer) == {"sonar.range"}
     assert viewer.session.scene is scene
     assert not viewer.session.history.undoable
+    panel.view.page.left.click()
+    assert lit_rows(viewer) == set()

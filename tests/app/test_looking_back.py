@@ -41,8 +41,8 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
-def test_below_the_first_ping_the_record_is_empty(viewer, qtbot):
-    waterfall = viewer.window.waterfall
+def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_reaches_every_ping(viewer, small, qtbot):
+    waterfall = view = viewer.window.waterfall
     whole = waterfall.image.pixels.copy()
     viewer.go_to(60)
     qtbot.waitUntil(lambda: viewer.complete)
@@ -56,39 +56,7 @@ def test_below_the_first_ping_the_record_is_empty(viewer, qtbot):
     viewer.go_to(127)
     qtbot.waitUntil(lambda: viewer.complete)
     assert (waterfall.image.pixels == whole).all()
-
-
-def test_the_button_says_what_it_does(window):
-    assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
-    window.pause.trigger()
-    assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
-    assert "Space" in window.pause.toolTip()
-
-
-def test_sentences_go_when_they_are_read(viewer, qtbot):
-    viewer.window.status._fading.setInterval(30)
-    viewer.window.say("saved it")
-    qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
-    viewer.window.say("this scene cannot be simulated", lasting=True)
-    qtbot.wait(60)
-    assert viewer.window.status.sentence.text() == "this scene cannot be simulated"
-    viewer.run(True)
-    assert viewer.window.status.sentence.text() == ""
-
-
-def test_wheel_looks_back_only_when_paused(viewer, qtbot):
-    viewer.tow.restart(500)
-    viewer.run(True)
-    viewer.window.waterfall.scrolled.emit(40)
-    assert viewer.tow.top == viewer.tow.newest
-    viewer.run(False)
-    viewer.window.waterfall.scrolled.emit(40)
-    assert viewer.tow.top == viewer.tow.newest - 40
-
-
-def test_the_scroll_bar_shows_and_reaches_every_ping_of_the_record(open_viewer, small):
-    viewer = open_viewer(small)
-    view = viewer.window.waterfall
+    # The scroll bar shows every ping.
     known = np.flatnonzero(np.isfinite(view.overview._columns[:, 0]))
     assert known.size == small.track.pings
     strip = view.overview.draw(view._handle.room, view._handle.last, view.tone_map)
@@ -100,3 +68,27 @@ def test_the_scroll_bar_shows_and_reaches_every_ping_of_the_record(open_viewer, 
     handle = view._handle
     handle.last = 127
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
+
+
+def test_the_button_says_what_it_does_the_wheel_looks_back_and_sentences_go(viewer, window, qtbot):
+    assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
+    window.pause.trigger()
+    assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
+    assert "Space" in window.pause.toolTip()
+    # The wheel looks back only when the tow is paused.
+    viewer.tow.restart(500)
+    viewer.run(True)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest
+    viewer.run(False)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest - 40
+    # Sentences go when they are read.
+    viewer.window.status._fading.setInterval(30)
+    viewer.window.say("saved it")
+    qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
+    viewer.window.say("this scene cannot be simulated", lasting=True)
+    qtbot.wait(60)
+    assert viewer.window.status.sentence.text() == "this scene cannot be simulated"
+    viewer.run(True)
+    assert viewer.window.status.sentence.text() == ""

@@ -53,8 +53,11 @@ def corner(widget: QWidget) -> QColor:
     return widget.grab().toImage().pixelColor(1, 1)
 
 
-def test_the_theme_changes_in_the_open_window(viewer, qapp):
-    window = viewer.window
+def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
+    window, words = viewer.window, viewer.panels["parameters"].widget.findChild(AboutBox).label
+    window.open_panel("water")
+    qtbot.waitUntil(lambda: viewer.complete)
+    water = viewer.panels["water"].view
     themes = {action.data(): action for action in window.looks.themes}
     try:
         for theme, column in ((Theme.LIGHT, 1), (Theme.DARK, 0)):
@@ -65,6 +68,11 @@ def test_the_theme_changes_in_the_open_window(viewer, qapp):
             assert qapp.palette().color(QPalette.ColorRole.Window).name() == ground
             # A native window may have 16 bits a pixel: 5 of them for red.
             assert corner(window.waterfall).lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
+            assert ACCENT.name() in words.text(), "so do the links of a description"
+            picture = water.grab().toImage()  # angles over the water are written on the ground of the window
+            right = range(water.width() // 2, water.width())
+            above = [picture.pixelColor(x, y).name() for x in right for y in range(2, 20)]
+            assert max(contrast(colour, ground) for colour in above) >= 4.5
         assert window.looks.themes[1].isChecked()
     finally:
         apply_theme(qapp)
@@ -111,14 +119,6 @@ def test_an_icon_is_drawn_once_in_a_colour(qapp, monkeypatch):
     assert not first.isNull()
 
 
-def test_links_of_a_description_take_the_colour_of_the_theme(viewer, qapp):
-    words = viewer.panels["parameters"].widget.findChild(AboutBox).label
-    apply_theme(qapp, Theme.LIGHT)
-    assert ACCENT.name() in words.text()
-    apply_theme(qapp, Theme.DARK)
-    assert ACCENT.name() in words.text()
-
-
 def test_settings_survive_nonsense():
     settings = Settings()
     assert (settings.theme, settings.size, settings.recent) == (Theme.SYSTEM, 100, [])
@@ -131,20 +131,12 @@ def test_settings_survive_nonsense():
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
 
 
-def test_the_window_opens_where_it_was_closed(open_viewer, small, qtbot):
+def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(open_viewer, small, qtbot):
     first = open_viewer(small)
     keep_place(first)
+    keep_display(first)
     first.window.resize(1000, 620)
     qtbot.waitUntil(lambda: first.window.width() == 1000)
-    first.window.close()
-    second = open_viewer(small)
-    keep_place(second)
-    qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
-
-
-def test_the_display_of_the_record_is_kept_between_starts(open_viewer, small, qtbot):
-    first = open_viewer(small)
-    keep_display(first)
     view = first.panels["record"].view
     first.window.open_panel("record")
     for name in ("newest_on_top", "water_column", "decibels"):
@@ -152,7 +144,10 @@ def test_the_display_of_the_record_is_kept_between_starts(open_viewer, small, qt
     first.window.palettes.setCurrentText("grey")
     first.window.palettes.activated.emit(0)
     first.session.show(gain=6.0, levels=(0.1, 4.0))
+    first.window.close()
     second = open_viewer(small)
+    keep_place(second)
+    qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
     assert second.session.display == DisplayOptions(), "a snapshot shows the usual display"
     keep_display(second)
     kept = DisplayOptions(newest_on_top=False, water_column=False, decibels=True, palette="grey")
@@ -201,16 +196,6 @@ def test_a_histogram_stands_out(theme, qtbot):
     picture = histogram.grab().toImage()
     peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
     assert contrast(peak, beside) >= 3.0
-
-
-def test_angles_over_the_water_are_written_on_the_ground_of_the_window(theme, viewer, qtbot, qapp):
-    apply_theme(qapp, theme)
-    viewer.window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
-    view = viewer.panels["water"].view
-    picture = view.grab().toImage()
-    above = [picture.pixelColor(x, y).name() for x in range(view.width() // 2, view.width()) for y in range(2, 20)]
-    assert max(contrast(colour, GROUND.name()) for colour in above) >= 4.5
 
 
 def test_marks_of_a_record_stand_out_from_their_halos(theme, qtbot):

@@ -19,6 +19,8 @@ from insonify_viewer.seabed.seabed_canvas import CLOSER
 from insonify_viewer.seabed.seabed_view import FARTHEST, NEAREST
 from insonify_viewer.state.inspection import Mark
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
 YAWED = {"kind": "yaw", "amplitude": 20.0, "period": 1e5, "phase": 90.0}
@@ -114,7 +116,7 @@ def _looks(view) -> float:
     return math.atan2(ahead[1], ahead[0])
 
 
-def test_the_view_is_reset_and_its_zoom_is_limited(viewer, qtbot):
+def test_the_camera_is_reset_and_kept_within_its_limits_whatever_moves_it(viewer, qtbot):
     view = viewer.seabed.view
     camera = view._canvas.plotter.camera
     home, focus = np.array(camera.position), np.array(camera.focal_point)
@@ -125,23 +127,15 @@ def test_the_view_is_reset_and_its_zoom_is_limited(viewer, qtbot):
         assert np.linalg.norm(np.array(camera.position) - focus) == pytest.approx(kept)
     viewer.window.reset_view.trigger()
     assert np.array(camera.position) == pytest.approx(home)
-
-
-def test_the_camera_stays_above_the_bed(open_viewer, small):
-    view = open_viewer(small).seabed.view
-    camera = view._canvas.plotter.camera
-    focus, reach = np.array(camera.focal_point), view._reach
+    # It stays above the bed.
     camera.position = tuple(focus + reach * np.array([0.6, 0.0, -0.8]))
     view._clip()
     away = np.array(camera.position) - focus
     assert np.linalg.norm(away) == pytest.approx(reach)
     assert away[:2] == pytest.approx([reach, 0.0], abs=0.01 * reach)
     assert away[2] > 0.0
-
-
-def test_a_camera_may_be_moved_between_its_reset_and_the_next_pose(open_viewer, small):
-    view = open_viewer(small).seabed.view
-    camera, home = view._canvas.plotter.camera, view._canvas.plotter.camera.position
+    # It may be moved between its reset and the next pose.
+    viewer.window.reset_view.trigger()
     moves = {
         "turn": lambda: view.turn(5.0, 0.0),
         "magnify": lambda: view.magnify(CLOSER),
@@ -156,6 +150,9 @@ def test_a_camera_may_be_moved_between_its_reset_and_the_next_pose(open_viewer, 
     view.reset_camera()
     view._follow(view._pose, view._heading, view._reach)
     assert camera.position == pytest.approx(home)
+    # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
+    textures = [actor.GetTexture() for actor in view._canvas.plotter.actors.values() if hasattr(actor, "GetTexture")]
+    assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
 
 
 def test_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
@@ -202,13 +199,6 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(viewer, qtb
     assert _drawn_beds(view) == (False, True), "another bed does not end the turn"
     QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=middle)
     assert _drawn_beds(view) == (True, False)
-
-
-def test_textures_are_filtered_alike_in_all_directions(open_viewer, small):
-    # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
-    plotter = open_viewer(small).seabed.view._canvas.plotter
-    textures = [actor.GetTexture() for actor in plotter.actors.values() if hasattr(actor, "GetTexture")]
-    assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
 
 
 def _drawn_beds(view) -> tuple[bool, bool]:

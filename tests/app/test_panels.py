@@ -102,8 +102,10 @@ def test_names_are_unique_and_the_order_is_stable(announce):
     assert names == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
-def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, announce):
-    announce(DummyPanel)
+def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit_the_scene(
+    open_viewer, small, qtbot, announce
+):
+    announce(DummyPanel, DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
     dock = viewer.window.findChild(QDockWidget, "dummy")
@@ -121,31 +123,7 @@ def test_an_announced_panel_is_a_tab_and_is_told(open_viewer, small, qtbot, anno
     assert dummy.told[-1] == ("scene", 8.0, True)
     plans = dummy.counted("plan")
     qtbot.waitUntil(lambda: dummy.counted("plan") == plans + 1)
-    viewer.session.settle({"seed": 666})
-    qtbot.waitUntil(lambda: ("refused",) in dummy.told)
-    viewer.window.close()
-    assert dummy.told[-1] == ("closing",)
-
-
-def test_a_panel_may_edit_the_scene_and_is_told_of_the_point_under_the_mouse(open_viewer, small, announce):
-    announce(DummyPanel)
-    viewer = open_viewer(small)
-    viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
-    assert viewer.session.scene.altitude == 7.0
-    assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
-    waterfall = viewer.window.waterfall
-    waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
-    kind, point = viewer.panels["dummy"].told[-1]
-    assert kind == "point"
-    assert point.slant_range == 2.25
-    assert point.ground_range is None
-    waterfall.hovered.emit(None)
-    assert viewer.panels["dummy"].told[-1] == ("point", None)
-
-
-def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer, small, announce):
-    announce(DummyBelow, DummyWindow)
-    viewer = open_viewer(small)
+    # One below and one in a window open by their buttons.
     below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
     actions = {action.text(): action for action in viewer.window.menus.view.actions()}
     assert "Ctrl+Shift+D" in actions["Dummy"].toolTip()
@@ -158,6 +136,22 @@ def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer, small, an
     actions["Window"].trigger()
     assert window.widget.isVisible()
     assert window.widget.isWindow()
+    # It may edit the scene, and is told of the point under the mouse.
+    viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
+    assert viewer.session.scene.altitude == 7.0
+    assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
+    waterfall = viewer.window.waterfall
+    waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
+    kind, point = viewer.panels["dummy"].told[-1]
+    assert kind == "point"
+    assert point.slant_range == 2.25
+    assert point.ground_range is None
+    waterfall.hovered.emit(None)
+    assert viewer.panels["dummy"].told[-1] == ("point", None)
+    viewer.session.settle({"seed": 666})
+    qtbot.waitUntil(lambda: ("refused",) in dummy.told)
+    viewer.window.close()
+    assert dummy.told[-1] == ("closing",)
 
 
 def test_a_snapshot_waits_for_every_panel(open_viewer, small, announce):

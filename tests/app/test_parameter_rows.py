@@ -171,6 +171,9 @@ def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
     viewer = open_viewer(peaked)
     picture = pictures_in(viewer, SpectrumPicture)[0]
     into_view(viewer, picture)
+    away = picture.place_of((-20.0, -20.0)).toPoint()
+    qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
+    assert viewer.session.scene == peaked, "a press beside the peaks moves none"
     reach = picture.spectrum.reach
     start = picture.place_of((8.0, 20.0)).toPoint()
     step = picture.area.width() / (2.0 * reach)
@@ -188,16 +191,7 @@ def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
     assert not viewer.session.history.undoable
 
 
-def test_a_press_beside_the_peaks_moves_none(open_viewer, peaked, qtbot):
-    viewer = open_viewer(peaked)
-    picture = pictures_in(viewer, SpectrumPicture)[0]
-    into_view(viewer, picture)
-    away = picture.place_of((-20.0, -20.0)).toPoint()
-    qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
-    assert viewer.session.scene == peaked
-
-
-def test_curves_follow_the_scene(open_viewer, small, qtbot, monkeypatch):
+def test_curves_follow_the_scene_and_take_no_room_where_there_are_none(open_viewer, small, qtbot, monkeypatch):
     threads = set()
 
     def watched(scene):
@@ -213,9 +207,7 @@ def test_curves_follow_the_scene(open_viewer, small, qtbot, monkeypatch):
     assert viewer.session.settle({"sonar.beam.width": 4.0})
     qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
     assert threading.main_thread() not in threads, "painting computes nothing"
-
-
-def test_what_has_no_curve_takes_no_room(viewer):
+    # What has no curve takes no room.
     changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
     assert viewer.session.settle(changes)
     assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]

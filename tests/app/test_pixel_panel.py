@@ -57,9 +57,10 @@ def decibels(text: str) -> float:
     return float(text.removesuffix(" dB").replace("−", "-"))
 
 
-def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer, qtbot):
+def test_a_click_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(viewer, qtbot):
     view = viewer.panels["pixel"].view
     assert not view.isVisible()
+    assert "Click a pixel" in view.sentence.text()
     click(viewer, BED, qtbot)
     mark = viewer.inspection.mark
     assert abs(mark.bin - BED.bin) <= 3
@@ -73,21 +74,18 @@ def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer, qtbot):
     assert rows["bed, medium sand"] == "100.0 %"
     recorded = viewer._answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
     assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
-
-
-def test_a_shadow_is_explained_and_drawn(viewer, qtbot):
-    sentence = viewer.panels["pixel"].view.sentence
-    assert "Click a pixel" in sentence.text()
+    # A shadow is explained and drawn.
+    sentence = view.sentence
     click(viewer, SHADOW, qtbot)
     assert sentence.text() == "Dark because the bed here lies in the shadow of pipe 1."
-    assert "in the shadow of pipe 1" in viewer.panels["pixel"].view.summary.text()
+    assert "in the shadow of pipe 1" in view.summary.text()
     assert budget(viewer)["pipe 1"] == "100.0 %"
     assert budget(viewer)["pixel"] == "no echo"
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown == {"rays": False, "blocked": True, "heard": False, "hidden": True}
     click(viewer, PIPE, qtbot)
     assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
-    assert "pipe 1" in viewer.panels["pixel"].view.summary.text()
+    assert "pipe 1" in view.summary.text()
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown["rays"]
     assert shown["heard"]
@@ -108,23 +106,18 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_by_a_second_click(view
     seen = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())}
     for colour in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(QColor(name), colour) for name in seen), colour
+    # So is that of a fish below the bed, as of one that is towed at a depth beside a slope.
+    explanation, cut = section._shown
+    for raised in (50.0, 1e12):
+        section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
+        scales = SectionScales.of(section._shown[1], (300.0, 200.0), surfaced=False)
+        assert scales.low < scales.high
+        assert scales.area.contains(scales.at(0.0, float(cut.sonar.place[2])))
+        section.grab()  # an exception would fail the test
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
     assert viewer.inspection.mark is None
     assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
     assert rows_of(viewer.panels["pixel"].view.budget) == []
-
-
-@pytest.mark.parametrize("raised", [50.0, 1e12])
-def test_a_cross_section_of_a_fish_below_the_bed_is_drawn(viewer, qtbot, raised):
-    """As of one that is towed at a depth beside a slope."""
-    click(viewer, SHADOW, qtbot)
-    section = viewer.panels["pixel"].view.section
-    explanation, cut = section._shown
-    section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
-    scales = SectionScales.of(section._shown[1], (300.0, 200.0), surfaced=False)
-    assert scales.low < scales.high
-    assert scales.area.contains(scales.at(0.0, float(cut.sonar.place[2])))
-    section.grab()  # an exception would fail the test
 
 
 def test_an_edit_explains_the_pinned_pixel_anew_and_another_scene_lets_go_of_it(viewer, scene, qtbot):
@@ -139,54 +132,18 @@ def test_an_edit_explains_the_pinned_pixel_anew_and_another_scene_lets_go_of_it(
     assert viewer.inspection.mark is None
 
 
-def test_a_drag_over_the_record_is_no_click(viewer):
+def test_a_drag_over_the_record_and_a_click_on_the_trace_pin_nothing(viewer):
     waterfall = viewer.window.waterfall
     place = waterfall.place_of(BED)
     QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=place)
     QTest.mouseRelease(waterfall, Qt.MouseButton.LeftButton, pos=place + QPoint(20, 0))
     assert viewer.inspection.mark is None
-
-
-def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
-    """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
-    renderer = viewer.seabed.view._canvas.plotter.renderer
-    viewer.seabed.draw_now()
-    renderer.SetWorldPoint(*place, 1.0)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    return x, y
-
-
-@pytest.mark.parametrize("place", [(6.0, 12.0, 0.0), (9.0, -29.7, 0.9)])
-def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(viewer, place, qtbot):
-    picked, lit = [], []
-    viewer.inspection.picked.connect(picked.append)
-    viewer.inspection.lit.connect(lit.append)
-    viewer.seabed.view.look_at(*project(viewer, place))
-    np.testing.assert_allclose(picked[-1], place, atol=0.3)
-    qtbot.waitUntil(lambda: len(lit) > 1, timeout=240000)
-    assert {mark.ping for mark in lit[-1]} >= {round(picked[-1][0] / 0.2)}
-    away = np.linalg.norm(np.array(picked[-1][1:]) - [0.0, 10.0])
-    assert all(abs((mark.bin + 0.5) * 0.05 - away) < 0.15 for mark in lit[-1])
-    assert "from this place" in viewer.window.status.sentence.text()
-
-
-def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer, qtbot):
-    viewer.inspection.pick((6.0, -31.0, 0.0))
-    qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
-
-
-def test_the_echo_trace_is_aligned_with_the_record(viewer):
-    waterfall = viewer.window.waterfall
+    # The echo trace is aligned with the record, which has its room without it.
     area = waterfall.trace_area()
     assert (area.left(), area.width()) == (waterfall.plot_area.left(), waterfall.plot_area.width())
     row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
     loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
-
-
-def test_without_the_trace_the_record_has_its_room(viewer):
-    waterfall = viewer.window.waterfall
     assert waterfall.trace_area() is not None
     before = waterfall.plot_area.height()
     viewer.window.trace.trigger()
@@ -199,6 +156,41 @@ def test_without_the_trace_the_record_has_its_room(viewer):
     assert viewer.inspection.mark is None, "a click on the caption pins nothing"
 
 
+def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
+    """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
+    renderer = viewer.seabed.view._canvas.plotter.renderer
+    viewer.seabed.draw_now()
+    renderer.SetWorldPoint(*place, 1.0)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    return x, y
+
+
+def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_share_their_room(viewer, qtbot):
+    picked, lit = [], []
+    viewer.inspection.picked.connect(picked.append)
+    viewer.inspection.lit.connect(lit.append)
+    for place in ((6.0, 12.0, 0.0), (9.0, -29.7, 0.9)):
+        lit.clear()
+        viewer.seabed.view.look_at(*project(viewer, place))
+        np.testing.assert_allclose(picked[-1], place, atol=0.3)
+        qtbot.waitUntil(lambda: len(lit) > 1, timeout=240000)
+        assert {mark.ping for mark in lit[-1]} >= {round(picked[-1][0] / 0.2)}
+        away = np.linalg.norm(np.array(picked[-1][1:]) - [0.0, 10.0])
+        assert all(abs((mark.bin + 0.5) * 0.05 - away) < 0.15 for mark in lit[-1])
+        assert "from this place" in viewer.window.status.sentence.text()
+    viewer.inspection.pick((6.0, -31.0, 0.0))
+    qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
+    # Rays and budget share their room.
+    window = viewer.window
+    for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
+        window.open_panel(name)
+        shown, behind = (viewer.panels[each].view for each in (name, other))
+        qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
+        assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
+        assert behind.visibleRegion().isEmpty()
+
+
 def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     viewer.window.resize(1560, 980)
@@ -209,7 +201,7 @@ def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, q
     assert plot.height() + area.height() > 0.85 * waterfall.height()
 
 
-def test_a_small_window_stays_usable(viewer, qtbot):
+def test_a_small_window_stays_usable_and_its_budget_elides_nothing(viewer, qtbot, qapp):
     viewer.window.resize(880, 600)
     click(viewer, BED, qtbot)
     qtbot.waitUntil(lambda: viewer.window.width() == 880)
@@ -219,12 +211,9 @@ def test_a_small_window_stays_usable(viewer, qtbot):
     assert view.budget.height() >= 80
     assert waterfall.plot_area.height() >= 120
     assert viewer.seabed.view.height() >= 140
-
-
-def test_a_narrow_budget_elides_nothing_and_takes_the_theme(viewer, qtbot, qapp):
+    # A narrow budget elides nothing, and takes the theme.
     viewer.window.resize(900, 540)
     viewer.window.open_panel("lessons")
-    click(viewer, BED, qtbot)
     budget = viewer.panels["pixel"].view.budget
     qtbot.waitUntil(lambda: budget.document().size().width() <= budget.viewport().width())
     assert not budget.horizontalScrollBar().isVisible()
@@ -239,16 +228,6 @@ def test_a_narrow_budget_elides_nothing_and_takes_the_theme(viewer, qtbot, qapp)
             assert f"color:{ACCENT.name()}" in budget.toHtml()
     finally:
         apply_theme(qapp)
-
-
-def test_rays_and_budget_share_their_room(viewer, qtbot):
-    window = viewer.window
-    for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
-        window.open_panel(name)
-        shown, behind = (viewer.panels[each].view for each in (name, other))
-        qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
-        assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
-        assert behind.visibleRegion().isEmpty()
 
 
 def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(open_viewer, small, qtbot, monkeypatch):

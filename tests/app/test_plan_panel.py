@@ -55,7 +55,7 @@ def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely():
     assert modelling.coarse.tolerance == 0.01
 
 
-def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
+def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"water": BENT}))
     wait(viewer, qtbot)
     view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
@@ -71,16 +71,7 @@ def test_every_entry_has_a_line_in_its_group(open_viewer, small, qtbot):
     assert "bending" in view.groups[True].lines
     assert not view.automatic.isEnabled()
     assert viewer.session.modelling == Modelling()
-
-
-def test_what_cannot_be_done_is_said_and_taken_back(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
-    viewer.session.model(Modelling(forced=(("method", "rays"),)))
-    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling())
-    assert "coherent" in viewer.window.status.sentence.text()
-
-
-def test_the_tolerance_is_final_when_it_is_let_go(viewer, qtbot):
+    # The tolerance is final when it is let go.
     slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
     slider.setValue(1000)
@@ -89,6 +80,13 @@ def test_the_tolerance_is_final_when_it_is_let_go(viewer, qtbot):
     wait(viewer, qtbot)
     assert viewer.session.modelling.tolerance == 0.5
     assert viewer._answer.simulation.tolerance == 0.5
+    # What cannot be done is said and taken back.
+    viewer.open(edit(small, {"receiver.speckle": "coherent"}))
+    wait(viewer, qtbot)
+    before = viewer.session.modelling
+    viewer.session.model(before.forcing("method", "rays"))
+    qtbot.waitUntil(lambda: viewer.session.modelling == before)
+    assert "coherent" in viewer.window.status.sentence.text()
 
 
 def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(open_viewer, small, qtbot, tmp_path):

@@ -8,7 +8,7 @@ from insonify.simulation import prepare
 from insonify_viewer.state.inspection import Mark
 
 
-def test_hover_tells_the_point_and_marks_it(viewer, qtbot):
+def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
     waterfall = viewer.window.waterfall
     mark = Mark(ping=100, side=1, bin=60)
     assert waterfall.mark_at(waterfall.place_of(mark)) == mark
@@ -21,11 +21,8 @@ def test_hover_tells_the_point_and_marks_it(viewer, qtbot):
     for part in ("ping 100", "starboard", "slant 30.25 m", "ground 28.5", "bed, medium sand", "incidence 40°", "dB)"):
         assert part in readout.text()
     waterfall.hovered.emit(None)
-    assert viewer.panels["readout"].widget.text() == ""
-
-
-def test_the_readout_names_what_a_pixel_is(viewer, qtbot):
-    readout = viewer.panels["readout"].widget
+    assert readout.text() == ""
+    # It names what a pixel is.
     for range_bin, told, untold in (
         (4, ["water column"], ["bed", "  ·  0", "dB"]),
         (70, ["pipe 1, steel", "incidence 40°"], ["bed"]),
@@ -38,12 +35,10 @@ def test_the_readout_names_what_a_pixel_is(viewer, qtbot):
         qtbot.waitUntil(lambda told=told: told[0] in readout.text())
         assert all(part in readout.text() for part in told)
         assert not any(part in readout.text() for part in untold)
-
-
-def test_the_readout_names_a_school(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]}))
-    viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
-    qtbot.waitUntil(lambda: "school 1" in viewer.panels["readout"].widget.text())
+    viewer.session.settle({"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]})
+    qtbot.waitUntil(lambda: viewer.complete)
+    waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
+    qtbot.waitUntil(lambda: "school 1" in readout.text())
 
 
 def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):

@@ -47,9 +47,27 @@ def point(viewer, mark: Mark):
     assert viewer.session.mark == mark
 
 
-@pytest.mark.parametrize("newest_on_top", [True, False])
-def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer, newest_on_top):
-    viewer.session.show(newest_on_top=newest_on_top)
+def test_keys_look_back_in_the_direction_of_the_wheel_and_every_ping_comes_under_the_cursor(viewer):
+    for newest_on_top in (True, False):
+        viewer.session.show(newest_on_top=newest_on_top)
+        check_keys(viewer, newest_on_top)
+    # Every ping comes under the cursor.
+    viewer.session.show(newest_on_top=True)
+    marks = [press(viewer, Key.Key_Up) for _ in range(100)]
+    assert viewer.window.waterfall.top == 500, "the record goes no farther; the cursor does"
+    assert marks[0] is not None
+    pings = [mark.ping for mark in marks if mark is not None]
+    assert pings == [min(pings[0] + k, 500) for k in range(100)]
+    press(viewer, Key.Key_End, Modifier.ControlModifier)
+    marks = [press(viewer, Key.Key_Down) for _ in range(150)]
+    pings = [mark.ping for mark in marks if mark is not None]
+    assert pings == list(range(pings[0], -1, -1)), "back to the first ping"
+    viewer.run(True)
+    press(viewer, Key.Key_Down)
+    assert "pause the tow" in viewer.window.status.sentence.text(), "a tow that runs says how to look back"
+
+
+def check_keys(viewer, newest_on_top):
     back, on = (Key.Key_Down, Key.Key_Up) if newest_on_top else (Key.Key_Up, Key.Key_Down)
     pages = (Key.Key_PageDown, Key.Key_PageUp) if newest_on_top else (Key.Key_PageUp, Key.Key_PageDown)
     ends = (Key.Key_End, Key.Key_Home) if newest_on_top else (Key.Key_Home, Key.Key_End)
@@ -66,25 +84,7 @@ def test_arrows_and_pages_look_back_in_the_direction_of_the_wheel(viewer, newest
     assert viewer.window.waterfall.top == 500
 
 
-def test_a_tow_that_runs_says_how_to_look_back(viewer):
-    viewer.run(True)
-    press(viewer, Key.Key_Down)
-    assert "pause the tow" in viewer.window.status.sentence.text()
-
-
-def test_every_ping_comes_under_the_cursor(viewer):
-    marks = [press(viewer, Key.Key_Up) for _ in range(100)]
-    assert viewer.window.waterfall.top == 500, "the record goes no farther; the cursor does"
-    assert marks[0] is not None
-    pings = [mark.ping for mark in marks if mark is not None]
-    assert pings == [min(pings[0] + k, 500) for k in range(100)]
-    press(viewer, Key.Key_End, Modifier.ControlModifier)
-    marks = [press(viewer, Key.Key_Down) for _ in range(150)]
-    pings = [mark.ping for mark in marks if mark is not None]
-    assert pings == list(range(pings[0], -1, -1)), "back to the first ping"
-
-
-def test_arrows_go_from_bin_to_bin_along_the_row(viewer):
+def test_arrows_go_from_bin_to_bin_along_the_row_of_a_whole_and_a_zoomed_record(viewer):
     point(viewer, Mark(450, 0, 3))
     marks = [press(viewer, Key.Key_Right) for _ in range(8)]
     assert marks == [Mark(450, 0, near) for near in (2, 1, 0)] + [Mark(450, 1, far) for far in range(5)]
@@ -94,9 +94,7 @@ def test_arrows_go_from_bin_to_bin_along_the_row(viewer):
         mark = press(viewer, Key.Key_Right)
     assert mark == Mark(450, 1, 99), "at the edge of the record"
     assert viewer.window.waterfall._marks.cross == mark
-
-
-def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer):
+    # It stays at its bin when the record is zoomed.
     view = viewer.window.waterfall
     point(viewer, Mark(440, 1, 3))
     QTest.keyClick(view, "+")
@@ -117,7 +115,13 @@ def test_the_cursor_stays_at_its_bin_when_the_record_is_zoomed(viewer):
     assert view.projection.zoom.whole
 
 
-def test_return_pins_the_pixel_at_the_cursor(viewer, qtbot):
+def test_a_pixel_at_the_cursor_that_tab_shows_is_pinned_marked_and_measured_from(viewer, qtbot):
+    view = viewer.window.waterfall
+    viewer.session.point_at(None)
+    QTest.keyClick(view, Key.Key_Tab)
+    QTest.keyClick(QApplication.focusWidget(), Key.Key_Backtab)
+    assert QApplication.focusWidget() is view
+    assert viewer.session.mark == view.mark_at(view.plot_area.center())
     point(viewer, Mark(450, 1, 60))
     mark = press(viewer, Key.Key_Right)
     press(viewer, Key.Key_Return)
@@ -127,18 +131,14 @@ def test_return_pins_the_pixel_at_the_cursor(viewer, qtbot):
     assert QApplication.focusWidget() is viewer.window.waterfall
     press(viewer, Key.Key_Enter, Modifier.KeypadModifier)
     assert viewer.inspection.mark is None, "once more lets it go"
-
-
-def test_c_marks_a_contact_at_the_cursor(viewer):
+    # C marks a contact.
     point(viewer, Mark(450, 1, 60))
     press(viewer, Key.Key_Left)
     press(viewer, Key.Key_C)
     (contact,) = viewer.panels["record"].contacts.all
     assert mark_of(contact) == Mark(450, 1, 59)
-
-
-def test_return_begins_and_ends_a_measured_line(viewer):
-    view, lines = viewer.window.waterfall, []
+    # Return begins and ends a measured line.
+    lines = []
     view.measured.connect(lambda first, last: lines.append((first, last)))
     point(viewer, Mark(450, 1, 60))
     press(viewer, Key.Key_M)
@@ -160,15 +160,6 @@ def test_return_begins_and_ends_a_measured_line(viewer):
     press(viewer, Key.Key_M)
     press(viewer, Key.Key_Return)
     assert viewer.inspection.mark == Mark(450, 1, 70), "without measuring a pixel is explained"
-
-
-def test_tab_shows_the_cursor(viewer):
-    view = viewer.window.waterfall
-    viewer.session.point_at(None)
-    QTest.keyClick(view, Key.Key_Tab)
-    QTest.keyClick(QApplication.focusWidget(), Key.Key_Backtab)
-    assert QApplication.focusWidget() is view
-    assert viewer.session.mark == view.mark_at(view.plot_area.center())
 
 
 def test_keys_move_the_wipe_line(viewer, qtbot):

@@ -167,21 +167,26 @@ def viewer(open_viewer, small):
     return open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
+def test_pointing_clicking_and_scrubbing_stay_right(viewer, qtbot):
+    pinned, marked, usual = [], [], viewer.session.display._asdict()
+    viewer.inspection.pinned.connect(pinned.append)
+    viewer.window.waterfall.hovered.connect(marked.append)
+    for options in (
         {},
         {"ground_range": True},
         {"water_column": False, "newest_on_top": False},
         {"side": "port", "scale": "true"},
         {"side": "starboard", "ground_range": True, "newest_on_top": False, "scale": "fill"},
-    ],
-)
-def test_pointing_clicking_and_scrubbing_stay_right(viewer, options, qtbot):
-    view, pinned, marked = viewer.window.waterfall, [], []
-    viewer.session.show(**options)
-    viewer.inspection.pinned.connect(pinned.append)
-    view.hovered.connect(marked.append)
+    ):
+        viewer.go_to(255)
+        qtbot.waitUntil(lambda: viewer.complete)
+        viewer.session.show(**(usual | options))
+        check_places(viewer, options, pinned, marked, qtbot)
+
+
+def check_places(viewer, options, pinned, marked, qtbot):
+    """Point at bins, click them, and drag the handle, of a record that is displayed by options."""
+    view = viewer.window.waterfall
     side = int(options.get("side") != "port")
     for mark in (Mark(240, side, 350), Mark(230, side, 120)):
 
@@ -212,7 +217,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer, options, qtbot):
     assert (newest.y() < older.y()) == options.get("newest_on_top", True)
 
 
-def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer):
+def test_the_wheel_zooms_and_a_drag_moves_the_record_and_looks_back(viewer):
     view = viewer.window.waterfall
     place = view.place_of(Mark(200, 1, 300))
     before = view.mark_at(place)
@@ -227,10 +232,7 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer):
     assert abs(moved.ping - found.ping) <= 2
     turn_wheel(view, place, -9, Qt.KeyboardModifier.ControlModifier)
     assert view.projection.zoom.whole
-
-
-def test_a_drag_beyond_the_record_looks_back(viewer):
-    view = viewer.window.waterfall
+    # A drag beyond the record looks back.
     top, middle = view.top, view.plot_area.center()
     pings = 100 * view.record.pings / view.plot_area.height()
     drag(view, middle, middle - QPoint(0, 100))
@@ -239,7 +241,7 @@ def test_a_drag_beyond_the_record_looks_back(viewer):
     assert view.top == pytest.approx(top - pings / 2, abs=3)
 
 
-def test_the_picture_follows_the_options(viewer):
+def test_the_picture_follows_the_options_upside_down_and_saved_as_well(viewer, tmp_path, monkeypatch):
     view = viewer.window.waterfall
     upright = picture_of(view).copy()
     viewer.session.show(side="port")
@@ -256,10 +258,7 @@ def test_the_picture_follows_the_options(viewer):
     half = upright.shape[1] // 2
     assert (picture_of(view)[:, : half - 2] == upright[:, : half - 2]).all()
     assert (picture_of(view)[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
-
-
-def test_newest_below_is_the_picture_upside_down(viewer):
-    view = viewer.window.waterfall
+    # Newest below is the picture upside down.
     viewer.session.show(scale="fill")
     viewer.look_back(37)  # so that the ring begins in its middle
     plot = view.plot_area
@@ -270,9 +269,8 @@ def test_newest_below_is_the_picture_upside_down(viewer):
     pictures = [each.convertToFormat(each.Format.Format_RGB32) for each in (upright, turned)]  # which own their bytes
     a, b = (np.frombuffer(each.constBits(), np.uint8).astype(int) for each in pictures)
     assert np.abs(a - b).mean() < 2.0
-
-
-def test_options_reach_a_recording_and_its_saved_picture(viewer, tmp_path, monkeypatch):
+    # Options reach a recording and its saved picture.
+    viewer.session.show(newest_on_top=True, scale="fit", side_gains=(0.0, 0.0))
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
     for view in (viewer.window.waterfall, viewer.window.record_a):
         assert view._look == viewer.session.display

@@ -11,8 +11,9 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
 
+from insonify import simulate
 from insonify.cli import main
-from insonify.io.records import read_record
+from insonify.io.records import read_record, write_record
 from insonify.scene import edit, load_scene
 from insonify.statistics.record_statistics import measure_statistics
 from insonify_viewer.record.comparison import recording_player
@@ -25,16 +26,15 @@ from insonify_viewer.work.jobs import State
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
 PINGS, BINS, RANGE, STEP = 400, 300, 60.0, 0.2
-SETTINGS = (f"track.pings={PINGS}", f"sonar.bins={BINS}", f"sonar.range={RANGE:g}")
+SETTINGS = {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE}
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder with one record as XTF and as netCDF."""
-    made = tmp_path_factory.mktemp("records")
-    words = [word for each in SETTINGS for word in ("--set", each)]
+    made, record = tmp_path_factory.mktemp("records"), simulate(edit(load_scene("default"), SETTINGS))
     for name in ("record.xtf", "record.nc"):
-        assert main(["render", "default", *words, "-o", str(made / name)]) == 0
+        write_record(made / name, [record])
     return made
 
 
@@ -50,7 +50,34 @@ def open_recording(viewer, path, qtbot) -> Recording:
     return recording
 
 
-def test_what_a_cut_recording_lacks_is_said_in_the_window(viewer, folder, qtbot, tmp_path):
+def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(
+    viewer, folder, tmp_path, qtbot
+):
+    broken = tmp_path / "broken.xtf"
+    broken.write_bytes(b"no recording" * 200)
+    viewer.recordings.open(str(broken))
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
+    assert not viewer.window.record_a.isVisible()
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.recordings.open(str(broken))
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
+    assert viewer.recordings.recording is recording
+    assert viewer.window.record_a.isVisible()
+    assert viewer.window.record_a.waiting is None
+    viewer.run(True)
+    viewer.window.record_a.scrubbed.emit(100)
+    assert not viewer.tow.running
+    assert viewer.window.record_a.top == viewer.recordings.top == 100
+    viewer.window.record_a.scrolled.emit(16)
+    assert viewer.window.record_a.top == 84
+    viewer.window.record_a.scrolled.emit(-1000)
+    assert viewer.window.record_a.top == recording.pings - 1
+    for ping in (0, 57, recording.pings - 1):
+        viewer.window.record_a.scrubbed.emit(ping)
+        row = viewer.window.record_a.record.rows(np.array([ping]))[0]
+        expected = np.concatenate([recording.amplitude[ping, 0, ::-1], recording.amplitude[ping, 1]])
+        np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
+    # What a cut recording lacks is said.
     cut = tmp_path / "cut.xtf"
     cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
     with reported_warnings(partial(viewer.simulator.executor.call_later, viewer.window.say)):
@@ -76,76 +103,19 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot)
     assert viewer.complete
 
 
-@pytest.mark.parametrize("name", ["record.xtf", "record.nc"])
-def test_a_recording_is_opened_by_a_drop_and_by_the_menu(viewer, folder, name, qtbot, monkeypatch):
-    drop(viewer.window, folder / name)
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not None)
-    dropped = viewer.recordings.recording
-    assert dropped.path.name == name
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(folder / name), ""))
-    viewer.window.open_recording.trigger()
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not dropped)
-    assert viewer.recordings.recording.path.name == name
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-
-
-def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
-    viewer.run(True)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    assert not viewer.tow.running, "a recording is opened paused"
-    assert viewer.recordings.top == PINGS - 1
-    viewer.window.speed.setCurrentIndex(SPEEDS.index(4.0))
-    viewer.window.speed.activated.emit(viewer.window.speed.currentIndex())
-    viewer.run(True)
-    qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < PINGS - 1)
-    assert viewer.window.record_a.top == viewer.recordings.top
-    shown = viewer.panels["comparison"].view.point.rows["ping"][0]
-    assert shown == f"{viewer.recordings.top} of {PINGS}", "the panel follows the ping on top"
-    viewer.run(False)
-    qtbot.wait(60)
-    at = viewer.recordings.top
-    qtbot.wait(120)
-    assert viewer.recordings.top == at
-    viewer.recordings.go_to(PINGS - 3)
-    viewer.run(True)
-    qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
-
-
-def test_rows_below_its_first_ping_are_empty_and_the_point_behind_a_tab_follows(viewer, folder, qtbot):
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.window.record_a.show_marks(cross=None)
-    viewer.recordings.go_to(PINGS // 2)
-    view = viewer.window.record_a
-    image = view.grab().toImage()
-    place = view.place_of(Mark(0, 1, BINS // 2))
-    below = [image.pixelColor(place.x(), place.y() + step).getRgb()[:3] for step in range(8, 80)]
-    np.testing.assert_allclose(below, [(0x0B, 0x11, 0x18)] * len(below), atol=8)  # a screen may have 16 bits
-    shown = viewer.panels["comparison"].view.point
-    bring_to_front(viewer.window, "parameters")
-    viewer.recordings.go_to(57)
-    bring_to_front(viewer.window, "comparison")
-    assert shown.rows["ping"] == (f"57 of {PINGS}",)
-
-
-def test_handle_and_wheel_reach_any_ping(viewer, folder, qtbot):
-    recording = open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.run(True)
-    viewer.window.record_a.scrubbed.emit(100)
-    assert not viewer.tow.running
-    assert viewer.window.record_a.top == viewer.recordings.top == 100
-    viewer.window.record_a.scrolled.emit(16)
-    assert viewer.window.record_a.top == 84
-    viewer.window.record_a.scrolled.emit(-1000)
-    assert viewer.window.record_a.top == recording.pings - 1
-    for ping in (0, 57, recording.pings - 1):
-        viewer.window.record_a.scrubbed.emit(ping)
-        row = viewer.window.record_a.record.rows(np.array([ping]))[0]
-        expected = np.concatenate([recording.amplitude[ping, 0, ::-1], recording.amplitude[ping, 1]])
-        np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
-
-
-def test_a_point_tells_navigation(viewer, folder, qtbot):
-    recording = open_recording(viewer, folder / "record.nc", qtbot)
+def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navigation(
+    viewer, folder, qtbot, monkeypatch
+):
+    for name in ("record.xtf", "record.nc"):
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, name=name: (str(folder / name), ""))
+        for way in (lambda name=name: drop(viewer.window, folder / name), viewer.window.open_recording.trigger):
+            before = viewer.recordings.recording
+            way()
+            qtbot.waitUntil(lambda before=before: viewer.recordings.recording is not before)
+            assert viewer.recordings.recording.path.name == name
+            qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    # A point tells navigation.
+    recording = viewer.recordings.recording
     view = viewer.window.record_a
     mark = Mark(250, 1, 200)
     QTest.mouseMove(view, view.place_of(mark))
@@ -168,14 +138,49 @@ def test_a_point_tells_navigation(viewer, folder, qtbot):
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
+def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
+    viewer.run(True)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    assert not viewer.tow.running, "a recording is opened paused"
+    assert viewer.recordings.top == PINGS - 1
+    viewer.window.speed.setCurrentIndex(SPEEDS.index(4.0))
+    viewer.window.speed.activated.emit(viewer.window.speed.currentIndex())
+    viewer.run(True)
+    qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < PINGS - 1)
+    assert viewer.window.record_a.top == viewer.recordings.top
+    shown = viewer.panels["comparison"].view.point.rows["ping"][0]
+    assert shown == f"{viewer.recordings.top} of {PINGS}", "the panel follows the ping on top"
+    viewer.run(False)
+    qtbot.wait(60)
+    at = viewer.recordings.top
+    qtbot.wait(120)
+    assert viewer.recordings.top == at
+    viewer.recordings.go_to(PINGS - 3)
+    viewer.run(True)
+    qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
+    # Rows below its first ping are empty, and the point behind a tab follows.
+    viewer.run(False)
+    viewer.window.record_a.show_marks(cross=None)
+    viewer.recordings.go_to(PINGS // 2)
+    view = viewer.window.record_a
+    image = view.grab().toImage()
+    place = view.place_of(Mark(0, 1, BINS // 2))
+    below = [image.pixelColor(place.x(), place.y() + step).getRgb()[:3] for step in range(8, 80)]
+    np.testing.assert_allclose(below, [(0x0B, 0x11, 0x18)] * len(below), atol=8)  # a screen may have 16 bits
+    shown = viewer.panels["comparison"].view.point
+    bring_to_front(viewer.window, "parameters")
+    viewer.recordings.go_to(57)
+    bring_to_front(viewer.window, "comparison")
+    assert shown.rows["ping"] == (f"57 of {PINGS}",)
+
+
 @pytest.mark.parametrize(("own", "compass"), [(0.0, 90.0), (90.0, 0.0), (-45.0, 135.0), (180.0, 270.0), (113.3, 336.7)])
 def test_headings_are_those_of_the_compass(own, compass):
     assert compass_heading(own) == pytest.approx(compass)
 
 
 def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
-    scene = edit(load_scene("default"), {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE})
-    viewer = open_viewer(scene, prepare=None)
+    viewer = open_viewer(edit(load_scene("default"), SETTINGS), prepare=None)
     recording = open_recording(viewer, folder / "record.nc", qtbot)
     rows = viewer.panels["comparison"].view.statistics.rows
     expected = measure_statistics(read_record(folder / "record.nc")).described()
@@ -190,21 +195,9 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert viewer.recordings.recording is recording
 
 
-def test_a_broken_file_is_one_sentence_and_leaves_the_recording(viewer, folder, tmp_path, qtbot):
-    broken = tmp_path / "broken.xtf"
-    broken.write_bytes(b"no recording" * 200)
-    viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
-    assert not viewer.window.record_a.isVisible()
-    recording = open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.recordings.open(str(broken))
-    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window.status.sentence.text())
-    assert viewer.recordings.recording is recording
-    assert viewer.window.record_a.isVisible()
-    assert viewer.window.record_a.waiting is None
-
-
-def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monkeypatch):
+def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_narrow_window(
+    viewer, folder, qtbot, monkeypatch
+):
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -223,6 +216,18 @@ def test_reading_shows_a_bar_and_the_last_file_wins(viewer, folder, qtbot, monke
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     assert viewer.recordings.recording.path.suffix == ".nc"
     assert viewer.window.record_a.waiting is None
+    # In a narrow window the records take the room.
+    window = viewer.window
+    window.resize(1600, 900)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    window.resize(880, 600)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
+    _, recorded, simulated = window._splitter.sizes()
+    assert abs(simulated - recorded) <= 2
+    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
+    window.resize(1600, 900)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, qtbot):
@@ -256,10 +261,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, q
     assert picture_of(viewer.window.record_a).shape[1] == view.plot_area.width(), "as fine as the live record"
     panel.arrangement.activated.emit(list(Arrangement).index(Arrangement.BESIDE))
     assert viewer.window.record_a.isVisible()
-
-
-def test_a_kept_record_takes_the_place_of_a_recording(viewer, folder, qtbot):
-    open_recording(viewer, folder / "record.xtf", qtbot)
+    # A kept record takes its place.
     viewer.window.comparison.toggled.emit(Arrangement.DIFFERENCE)
     viewer.window.waterfall.grab()
     assert viewer.window.overlay.difference.pixels.shape[0] == 256
@@ -317,7 +319,7 @@ def test_a_scene_is_learned_as_a_job_and_opened(viewer, folder, tmp_path, qtbot,
     assert viewer.recordings.recording is recording
 
 
-def test_learning_is_stopped_and_leaves_nothing(viewer, folder, tmp_path, qtbot, monkeypatch):
+def test_learning_that_is_stopped_or_has_too_little_bed_leaves_nothing(viewer, folder, tmp_path, qtbot, monkeypatch):
     open_recording(viewer, folder / "record.nc", qtbot)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
     panel, scene = viewer.panels["comparison"].view, viewer.session.scene
@@ -329,34 +331,16 @@ def test_learning_is_stopped_and_leaves_nothing(viewer, folder, tmp_path, qtbot,
     assert panel.learn.isEnabled()
     assert viewer.session.scene is scene
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_record_with_too_little_bed_says_so_and_why_it_cannot_be_learned(viewer, tmp_path, qtbot, monkeypatch):
+    # A record with too little bed says so, and why it cannot be learned.
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
-    assert "too little bed" in viewer.panels["comparison"].view.statistics.said
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
-    scene = viewer.session.scene
-    QTest.mouseClick(viewer.panels["comparison"].view.learn, Qt.MouseButton.LeftButton)
+    assert "too little bed" in panel.statistics.said
+    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
     assert "pings" in viewer.window.status.sentence.text()
     assert viewer.session.scene is scene
     assert not (tmp_path / "learned.toml").exists()
-
-
-def test_in_a_narrow_window_the_records_take_the_room(viewer, folder, qtbot):
-    window = viewer.window
-    window.resize(1600, 900)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
-    window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
-    assert abs(simulated - recorded) <= 2
-    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
-    window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):

@@ -70,56 +70,62 @@ def test_a_scene_with_a_file_is_saved_there(open_viewer, small, tmp_path, name):
     assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
 
 
-def test_a_scene_that_cannot_be_written_stays_unsaved(viewer, tmp_path, name):
+def test_a_scene_that_cannot_be_written_stays_unsaved_and_the_picture_is_a_file_of_its_own(
+    viewer, tmp_path, name, answer
+):
     viewer.session.settle({"track.altitude": 7.0})
     name(tmp_path / "nowhere" / "saved.toml")
     viewer.window.save.scene.trigger()
     assert "check that the folder can be written to" in viewer.window.status.sentence.text()
     assert viewer.session.unsaved
+    name(tmp_path / "window.png")
+    viewer.window.save.picture.trigger()
+    with Image.open(tmp_path / "window.png") as picture:
+        shown = viewer.window.size() * viewer.window.devicePixelRatioF()
+        assert picture.size == shown.toTuple()
+    asked = answer(Buttons.Discard)
+    assert viewer.window.close(), "changes are discarded"
+    assert len(asked) == 1
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".png"])
-def test_a_record_is_written_as_the_command_writes_it(open_viewer, small, qtbot, tmp_path, name, suffix):
+def test_a_record_is_written_as_the_command_writes_it(open_viewer, small, qtbot, tmp_path, name, answer):
     assert set(RECORDS.writable()) >= {".nc", ".npz", ".xtf"}
     viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
-    path = tmp_path / f"record{suffix}"
-    name(path)
-    viewer.window.save.record.trigger()
-    assert viewer.window.jobs.isVisible()
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
-    assert viewer.window.status.sentence.text() == f"{path}: {small.track.pings} pings of 2 x {small.sonar.bins} bins"
-    assert not viewer.window.jobs.isVisible()
-    if suffix == ".png":
-        assert np.ptp(np.asarray(Image.open(path).convert("L"))) > 100
-        return
-    record = read_record(path)
-    assert record.sizes["ping_time"] == small.track.pings
-    if suffix != ".xtf":  # which keeps fewer digits
-        np.testing.assert_array_equal(record.intensity, simulate(viewer.session.scene).intensity)
-
-
-def test_a_name_without_a_suffix_takes_that_of_the_format(open_viewer, small, qtbot, tmp_path, name, answer):
-    viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
+    for suffix in (".xtf", ".png"):
+        check_written(viewer, tmp_path / f"record{suffix}", qtbot, name)
+    # A name without a suffix takes that of the format.
     name(
         tmp_path / "record",
         next(f"{each.description} (*.npz)" for each in RECORDS.formats() if ".npz" in each.suffixes),
     )
-    viewer.window.save.record.trigger()
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
+    check_written(viewer, tmp_path / "record.npz", qtbot)
     before = (tmp_path / "record.npz").stat().st_mtime_ns
     asked = answer(Buttons.No)
     viewer.window.save.record.trigger()
     assert asked == ["record.npz exists already. Replace it?"]
     assert not viewer.jobs.running
     assert (tmp_path / "record.npz").stat().st_mtime_ns == before
+    assert viewer.window.close()
+    assert len(asked) == 1, "without changes it closes at once"
 
 
-def test_the_picture_is_a_file_of_its_own(viewer, tmp_path, name):
-    name(tmp_path / "window.png")
-    viewer.window.save.picture.trigger()
-    with Image.open(tmp_path / "window.png") as picture:
-        shown = viewer.window.size() * viewer.window.devicePixelRatioF()
-        assert picture.size == shown.toTuple()
+def check_written(viewer, path, qtbot, name=None):
+    """Check the record that a job of the window writes to a path."""
+    scene, suffix = viewer.session.scene, path.suffix
+    if name is not None:
+        name(path)
+    viewer.window.save.record.trigger()
+    assert viewer.window.jobs.isVisible()
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
+    assert viewer.window.status.sentence.text() == f"{path}: {scene.track.pings} pings of 2 x {scene.sonar.bins} bins"
+    assert not viewer.window.jobs.isVisible()
+    if suffix == ".png":
+        assert np.ptp(np.asarray(Image.open(path).convert("L"))) > 100
+        return
+    record = read_record(path)
+    assert record.sizes["ping_time"] == scene.track.pings
+    if suffix != ".xtf":  # which keeps fewer digits
+        np.testing.assert_array_equal(record.intensity, simulate(scene).intensity)
 
 
 def test_closing_asks_about_changes(viewer, small, tmp_path, name, answer):
@@ -136,14 +142,6 @@ def test_closing_asks_about_changes(viewer, small, tmp_path, name, answer):
     assert viewer.window.close()
     assert load_scene(tmp_path / "kept.toml").track.altitude == 7.0
     assert len(asked) == 3
-
-
-@pytest.mark.parametrize("change", [{}, {"track.altitude": 7.0}])
-def test_closing_without_changes_or_discarding_them(viewer, answer, change):
-    asked = answer(Buttons.Discard)
-    viewer.session.settle(change)
-    assert viewer.window.close()
-    assert len(asked) == len(change)
 
 
 def test_another_scene_asks_about_changes(viewer, qtbot, answer):

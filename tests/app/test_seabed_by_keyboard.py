@@ -13,6 +13,8 @@ from insonify_viewer.application import has_opengl
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.fixture
 def viewer(open_viewer, small, qtbot):
@@ -50,7 +52,7 @@ def turned_by(viewer, key: Qt.Key) -> np.ndarray:
     return turn
 
 
-def test_an_arrow_turns_the_scene_as_a_drag_does(viewer):
+def test_an_arrow_turns_the_scene_as_a_drag_does_and_neither_over_nor_below_the_bed(viewer):
     for key, drag in (
         (Qt.Key.Key_Left, QPoint(-30, 0)),
         (Qt.Key.Key_Right, QPoint(30, 0)),
@@ -69,9 +71,7 @@ def test_an_arrow_turns_the_scene_as_a_drag_does(viewer):
         dragged = (angles(viewer) - before + 180.0) % 360.0 - 180.0
         assert np.argmax(np.abs(dragged)) == np.argmax(np.abs(turn))
         assert np.sign(dragged[np.argmax(np.abs(turn))]) == np.sign(turn[np.argmax(np.abs(turn))])
-
-
-def test_the_view_neither_turns_over_nor_below_the_bed(viewer):
+    # The view neither turns over nor below the bed.
     for _ in range(40):
         QTest.keyClick(widget_of(viewer), Qt.Key.Key_Down)
     assert angles(viewer)[1] == pytest.approx(math.degrees(STEEPEST))
@@ -80,8 +80,13 @@ def test_the_view_neither_turns_over_nor_below_the_bed(viewer):
     assert angles(viewer)[1] == pytest.approx(math.degrees(math.atan(LOWEST)), abs=0.01)
 
 
-@pytest.mark.parametrize(("letter", "factor", "limit"), [("+", 1.0 / CLOSER, NEAREST), ("-", CLOSER, FARTHEST)])
-def test_plus_and_minus_zoom_within_the_limits_of_the_wheel(viewer, letter, factor, limit):
+def test_plus_and_minus_zoom_within_the_limits_of_the_wheel(viewer):
+    for letter, factor, limit in (("+", 1.0 / CLOSER, NEAREST), ("-", CLOSER, FARTHEST)):
+        widget_of(viewer).setFocus()
+        check_zoom(viewer, letter, factor, limit)
+
+
+def check_zoom(viewer, letter, factor, limit):
     widget, zoom = widget_of(viewer), viewer.window.waterfall.projection.zoom
     before = np.linalg.norm(away(viewer))
     QTest.keyClick(widget, letter)

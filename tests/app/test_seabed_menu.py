@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QMenu
 from insonify.scene import edit
 from insonify_viewer.seabed.cameras import CAMERAS
 
+pytestmark = pytest.mark.usefixtures("drawn_seabed")
+
 
 @pytest.fixture
 def viewer(open_viewer, small):

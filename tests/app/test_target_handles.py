@@ -179,24 +179,7 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_target_is_dragged_in_the_record(open_viewer, one_box, qtbot):
-    viewer = open_viewer(one_box)
-    record, session = viewer.window.waterfall, viewer.session
-    start = record.handles.place(number_of(viewer, "move"))
-    near, far = start, start + QPoint(30, -25)
-    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
-    drag(record, near, far)
-    moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
-    np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
-    assert session.history.undoable == ("box 1 moved",)
-    qtbot.waitUntil(lambda: viewer.complete)
-    place = record.handles.place(number_of(viewer, "move"))
-    assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
-    session.undo()
-    assert session.scene == one_box
-
-
-def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
+def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dragged(open_viewer, one_box, qtbot):
     viewer = open_viewer(one_box)
     record, handles = viewer.window.waterfall, viewer.targets.handles
     assert [handle.action for handle in handles._handles] == ["move"]
@@ -216,27 +199,39 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer, one_box, qtbot):
     assert viewer.session.scene.targets[0].size[0] > 5.5
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
+    # A target is dragged.
+    viewer.open(one_box)
+    qtbot.waitUntil(lambda: viewer.complete)
+    session, before = viewer.session, viewer.session.history.undoable
+    start = record.handles.place(number_of(viewer, "move"))
+    near, far = start, start + QPoint(30, -25)
+    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
+    drag(record, near, far)
+    moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
+    np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
+    assert session.history.undoable == ("box 1 moved", *before)
+    qtbot.waitUntil(lambda: viewer.complete)
+    place = record.handles.place(number_of(viewer, "move"))
+    assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
+    session.undo()
+    assert session.scene == one_box
 
 
-def test_a_click_on_a_handle_chooses_and_pins(open_viewer, one_box, qtbot):
+def test_a_click_on_a_handle_chooses_and_pins_and_one_of_the_last_scene_drags_nothing(
+    open_viewer, small, one_box, qtbot
+):
     viewer = open_viewer(one_box)
     record = viewer.window.waterfall
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
     assert viewer.targets.handles.chosen == 0
     assert viewer.inspection.mark is not None
     assert viewer.session.history.undoable == ()
-
-
-def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
-    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
-    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
+    viewer.open(edit(one_box, {"targets.0.locked": True}))
     qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.targets.handles.chosen == 0
-
-
-def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qtbot):
+    assert viewer.targets.handles._handles == (), "locked targets stay"
+    # A handle of the last scene drags no other target.
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
-    viewer = open_viewer(edit(small, {"targets": [pipe]}))
+    viewer.open(edit(small, {"targets": [pipe]}))
     qtbot.waitUntil(lambda: viewer.complete)
     viewer.targets.handles.choose(0)
     thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
@@ -250,9 +245,11 @@ def test_a_handle_of_the_last_scene_drags_no_other_target(open_viewer, small, qt
     assert viewer.session.scene == before
 
 
-def test_locked_targets_stay(open_viewer, one_box, qtbot):
-    viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
-    assert viewer.targets.handles._handles == ()
+def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
+    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
+    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.targets.handles.chosen == 0
 
 
 def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):

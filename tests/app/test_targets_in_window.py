@@ -35,7 +35,7 @@ def removers(viewer) -> list[QToolButton]:
     return [b for b in viewer.panels["parameters"].view.findChildren(QToolButton, "remove") if b.isVisible()]
 
 
-def test_a_target_of_any_kind_is_added_and_taken_back(open_viewer, small, qtbot, monkeypatch):
+def test_a_target_of_any_kind_is_added_taken_back_and_kept_apart_from_others(open_viewer, small, qtbot, monkeypatch):
     pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
     viewer = open_viewer(edit(small, {"targets": []}))
     for kind in target_menu():
@@ -52,9 +52,13 @@ def test_a_target_of_any_kind_is_added_and_taken_back(open_viewer, small, qtbot,
         viewer.session.redo()
         assert viewer.session.scene.targets == (target,)
         viewer.session.undo()
+    # Targets keep apart from one another.
+    places = np.array([add(viewer, "sphere", qtbot).position for _ in range(5)])
+    distances = np.linalg.norm(places[:, None] - places, axis=2) + 1e9 * np.eye(5)
+    assert distances.min() > 7.0
 
 
-def test_a_mesh_is_chosen_by_its_picture(viewer, qtbot):
+def test_a_mesh_is_chosen_by_its_picture_and_takes_another_file(viewer, small, qtbot, monkeypatch, tmp_path):
     seen = []
 
     def click_the_anchor():
@@ -70,26 +74,21 @@ def test_a_mesh_is_chosen_by_its_picture(viewer, qtbot):
     assert add(viewer, "mesh", qtbot).path == "anchor"
     assert all(picture for _, picture in seen[:-1])
     assert seen[-1] == ("Other file…", [])
+    # A mesh takes another file.
+    path = tmp_path / "shape.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    viewer.open(edit(small, {"targets": [{"kind": "mesh", "path": "tetrapod", "position": [5.0, 20.0]}]}))
+    row = viewer.panels["parameters"].view.row("targets.0.path")
+    assert isinstance(row, FileRow)
+    assert row.button.text() == "tetrapod …"
+    pick_file(monkeypatch, str(path))
+    row.button.click()
+    assert viewer.session.scene.targets[0].path == str(path)
+    assert row.button.text() == "shape.obj …"
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
-def test_targets_keep_apart_from_one_another(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"targets": []}))
-    places = np.array([add(viewer, "sphere", qtbot).position for _ in range(5)])
-    distances = np.linalg.norm(places[:, None] - places, axis=2) + 1e9 * np.eye(5)
-    assert distances.min() > 7.0
-
-
-def test_a_cross_removes_its_target_alone(viewer, small, qtbot):
-    pipe, first, second = small.targets
-    assert len(removers(viewer)) == 3
-    removers(viewer)[1].click()
-    assert viewer.session.scene.targets == (pipe, second)
-    qtbot.waitUntil(lambda: len(removers(viewer)) == 2)
-    viewer.session.undo()
-    assert viewer.session.scene.targets == (pipe, first, second)
-
-
-def test_no_file_and_a_wrong_mesh_add_nothing(open_viewer, small, qtbot, monkeypatch, tmp_path):
+def test_no_file_and_a_wrong_mesh_add_nothing_and_a_cross_removes_one(open_viewer, small, qtbot, monkeypatch, tmp_path):
     pick_file(monkeypatch, "")
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
@@ -100,20 +99,14 @@ def test_no_file_and_a_wrong_mesh_add_nothing(open_viewer, small, qtbot, monkeyp
     viewer.window.target_wanted.emit("mesh")
     qtbot.waitUntil(lambda: "holds no triangles" in viewer.window.status.sentence.text())
     assert viewer.session.scene == small
-
-
-def test_a_mesh_takes_another_file(open_viewer, small, qtbot, monkeypatch, tmp_path):
-    path = tmp_path / "shape.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
-    viewer = open_viewer(edit(small, {"targets": [{"kind": "mesh", "path": "tetrapod", "position": [5.0, 20.0]}]}))
-    row = viewer.panels["parameters"].view.row("targets.0.path")
-    assert isinstance(row, FileRow)
-    assert row.button.text() == "tetrapod …"
-    pick_file(monkeypatch, str(path))
-    row.button.click()
-    assert viewer.session.scene.targets[0].path == str(path)
-    assert row.button.text() == "shape.obj …"
-    qtbot.waitUntil(lambda: viewer.complete)
+    # A cross removes its target alone.
+    pipe, first, second = small.targets
+    assert len(removers(viewer)) == 3
+    removers(viewer)[1].click()
+    assert viewer.session.scene.targets == (pipe, second)
+    qtbot.waitUntil(lambda: len(removers(viewer)) == 2)
+    viewer.session.undo()
+    assert viewer.session.scene.targets == (pipe, first, second)
 
 
 def test_shapes_come_before_attitude_and_materials_last(small):

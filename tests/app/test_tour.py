@@ -16,7 +16,7 @@ def begin(viewer):
     return viewer.window.tour
 
 
-def test_five_steps_lead_through_the_window(viewer, qtbot):
+def test_five_steps_lead_through_the_window_back_and_out(viewer, qtbot):
     tour = begin(viewer)
     titles = []
     while tour.card is not None:
@@ -25,9 +25,7 @@ def test_five_steps_lead_through_the_window(viewer, qtbot):
         assert tour.card.words.height() >= tour.card.words.heightForWidth(tour.card.words.width())
         qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
     assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
-
-
-def test_back_and_skip_while_the_window_stays_free(viewer, qtbot):
+    # It goes back and is skipped while the window stays free.
     tour = begin(viewer)
     assert not tour.card.back.isEnabled()
     qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
@@ -38,9 +36,7 @@ def test_back_and_skip_while_the_window_stays_free(viewer, qtbot):
     assert viewer.window.rect().contains(tour.card.geometry())
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)
     assert tour.card is None
-
-
-def test_escape_leaves_the_tour(viewer, qtbot):
+    # Escape leaves it.
     window = viewer.window
     activate(window, qtbot)
     window.waterfall.setFocus()

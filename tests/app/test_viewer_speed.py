@@ -19,7 +19,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.usefixtures("drawn_seabed")]
 MOVES = 12
 TURNS = 20
 RATE = 60  # moves of a slider in a second

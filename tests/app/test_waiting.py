@@ -167,20 +167,7 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
         simulator.close()
 
 
-def test_the_bar_tells_what_is_compiled(viewer, qtbot):
-    viewer.simulator.ask = lambda request: None
-    viewer.session.settle({"seed": 5})
-    report_progress(Compilation("bent rays", 0.4, 55.0))
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
-    assert viewer.window.waterfall.waiting == ("compiling bent rays, once, about a minute left", 0.4)
-    report_progress(None)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("simulating pings"))
-    viewer.window.close()
-    report_progress(Compilation("bent rays", 0.5, 55.0))
-    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
-
-
-def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(viewer, small, qtbot):
+def test_a_new_bed_is_shown_while_its_first_ping_is_awaited_and_the_bar_tells_what_is_compiled(viewer, small, qtbot):
     shown = viewer.seabed.view._bed.points.copy()
     viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
     other = edit(small, {"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
@@ -191,6 +178,16 @@ def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(viewer, small, qtbot
     viewer.session.show(gain=3.0)
     qtbot.wait(50)
     assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
+    # The bar tells what is compiled.
+    viewer.session.settle({"seed": 5})
+    report_progress(Compilation("bent rays", 0.4, 55.0))
+    compiling = "compiling bent rays, once, about a minute left", 0.4
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting == compiling)
+    report_progress(None)
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("simulating pings"))
+    viewer.window.close()
+    report_progress(Compilation("bent rays", 0.5, 55.0))
+    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
 class Slow(StandIn):

@@ -53,7 +53,7 @@ def handle(view) -> QPoint:
     return view.scales().of_speed(speed, depth).toPoint()
 
 
-def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, layered, qtbot):
+def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_rays(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
@@ -77,12 +77,9 @@ def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer, laye
     view.point_dragged.emit(1, -5.0, 1000.0)
     assert viewer.session.scene.water.depth[1] == 0.1
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
-
-
-def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer, layered, qtbot):
-    viewer = open_viewer(layered)
+    # A click into the water asks for the rays to it.
+    viewer.open(layered)
     wait_for_rays(viewer, qtbot)
-    view = viewer.panels["water"].view
     shown = []
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
@@ -103,7 +100,7 @@ def open_with_keyboard(open_viewer, scene, qtbot, reason=Qt.FocusReason.TabFocus
     return viewer, view
 
 
-def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
+def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it(open_viewer, layered, qtbot):
     viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     plain = view.grab().toImage()
@@ -124,14 +121,14 @@ def test_keys_choose_a_point_and_move_it(open_viewer, layered, qtbot):
     for _ in range(3):
         QTest.keyClick(view, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
-
-
-def test_a_point_is_settled_when_the_keyboard_leaves_it(open_viewer, layered, qtbot):
-    viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
+    # A point is settled when the keyboard leaves it.
+    viewer.open(layered)
+    wait_for_rays(viewer, qtbot)
+    undoable = viewer.session.history.undoable
     QTest.keyPress(view, Qt.Key.Key_Left)
-    assert not viewer.session.history.undoable
+    assert viewer.session.history.undoable == undoable
     viewer.window.waterfall.setFocus()
-    assert viewer.session.history.undoable
+    assert len(viewer.session.history.undoable) == len(undoable) + 1
 
 
 def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):
@@ -151,18 +148,9 @@ def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, q
     assert QApplication.focusWidget() is not view, "the cross is the last stop"
 
 
-def test_columns_of_water_have_no_sliders(open_viewer, layered, qtbot):
-    viewer = open_viewer(layered)
-    for kind in ("profile", "hydrography", "section", "uniform"):
-        viewer.panels["parameters"].view.settled.emit("water.kind", kind)
-        assert viewer.session.scene.water.kind == kind
-        viewer.panels["parameters"].view.row("water.reference_speed")
-        with pytest.raises(StopIteration):
-            viewer.panels["parameters"].view.row("water.depth.0")
-    viewer.panels["parameters"].view.row("water.sound_speed")
-
-
-def test_a_cast_is_asked_for(open_viewer, small, qtbot, tmp_path, monkeypatch):
+def test_a_cast_is_asked_for_and_columns_of_water_have_no_sliders(
+    open_viewer, small, layered, qtbot, tmp_path, monkeypatch
+):
     path = tmp_path / "cast.csv"
     path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
     viewer = open_viewer(small)
@@ -174,6 +162,15 @@ def test_a_cast_is_asked_for(open_viewer, small, qtbot, tmp_path, monkeypatch):
     assert viewer.session.scene.water.path == str(path)
     wait_for_rays(viewer, qtbot)
     assert viewer.panels["water"].view.isVisible()
+    # Columns of water have no sliders.
+    viewer.open(layered)
+    for kind in ("profile", "hydrography", "section", "uniform"):
+        viewer.panels["parameters"].view.settled.emit("water.kind", kind)
+        assert viewer.session.scene.water.kind == kind
+        viewer.panels["parameters"].view.row("water.reference_speed")
+        with pytest.raises(StopIteration):
+            viewer.panels["parameters"].view.row("water.depth.0")
+    viewer.panels["parameters"].view.row("water.sound_speed")
 
 
 def test_slower_water_lowers_the_ping_rate(small):

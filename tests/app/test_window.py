@@ -40,7 +40,7 @@ def drag(viewer, path: str, *positions: int):
     return slider
 
 
-def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfall(viewer, qtbot):
+def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = drag(viewer, "track.altitude", 300)
@@ -54,6 +54,31 @@ def test_a_slider_held_still_gives_a_fine_record_and_its_release_another_waterfa
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
+    # Palette and gain change the colours.
+    viewer.find_levels()
+    waterfall = viewer.window.waterfall
+    copper = picture_of(waterfall).copy()
+    viewer.window.palettes.setCurrentText("pen")
+    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
+    pen = picture_of(waterfall).copy()
+    assert (copper != pen).any()
+    viewer.window.gain.setValue(100)
+    assert viewer.window._gain_text.text() == "10 dB"
+    assert (picture_of(waterfall) != pen).any()
+    viewer.find_levels()
+    assert (picture_of(waterfall) == pen).all()
+    # Port is left, and the newest ping on top.
+    amplitude = np.zeros((1, 2, 100), np.float32)
+    amplitude[0, 0, 99] = 50.0
+    waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
+    picture = picture_of(waterfall)
+    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
+    assert brightest[0] == 0
+    assert brightest[1] < picture.shape[1] // 50
+    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
+    assert waterfall.record is viewer.record
 
 
 def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
@@ -85,7 +110,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(viewer, qtbot):
+def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_the_targets_leave(viewer, small, qtbot):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
@@ -100,9 +125,7 @@ def test_rows_stand_where_the_simulation_says_while_paused_and_running_scrolls(v
     qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129)
     viewer.window.pause.trigger()
     assert not viewer.tow.running
-
-
-def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
+    # The tow pauses once before the targets leave.
     viewer.tow.speed = 16.0
     viewer.run(True)
     qtbot.waitUntil(lambda: not viewer.tow.running)
@@ -118,24 +141,6 @@ def test_the_tow_pauses_once_before_the_targets_leave(viewer, small, qtbot):
     qtbot.waitUntil(lambda: viewer.tow.newest > 400)
 
 
-def test_the_menu_opens_bundled_scenes(viewer, qtbot):
-    menu = viewer.window.scenes
-    menu.fill()
-    *plain, last = menu.menu().actions()
-    names = [action.text().partition("\t")[0] for action in plain if action.data()]
-    failures = [action.text().partition("\t")[0] for action in last.menu().actions()]
-    assert last.text() == "Where it breaks"
-    assert names == [name for name in bundled_scenes() if not name.startswith("breaks-")]
-    assert failures == [name for name in bundled_scenes() if name.startswith("breaks-")]
-    wanted = load_scene("figure-4b")
-    action = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
-    assert wanted.description.split()[0] in action.toolTip()
-    menu.menu().triggered.emit(action)
-    assert viewer.session.scene == wanted
-    assert viewer.panels["parameters"].view.about.words == wanted.about
-    qtbot.waitUntil(lambda: viewer.complete)
-
-
 def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"targets": []}))
     viewer.simulator.ask = lambda request: None  # as if nothing were ever traced
@@ -148,25 +153,35 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_kind_edits_the_scene_and_its_rows(viewer):
-    pick(viewer, "sonar.beam.kind", "knife")
-    assert viewer.session.scene.sonar.beam.kind == "knife"
-    with pytest.raises(StopIteration):
-        viewer.panels["parameters"].view.row("sonar.beam.width")
-    viewer.window.undo.trigger()
-    assert viewer.session.scene.sonar.beam.kind == "fan"
-    assert number_row(viewer, "sonar.beam.width").field.text() == "1°"
-
-
-def test_material_name_turns_into_its_numbers(open_viewer, small):
+def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(open_viewer, small, tmp_path, monkeypatch):
     viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
     shown = [number_row(viewer, f"seabed.material.{n}").field.text() for n in ("diffuse", "specular", "shininess")]
     assert shown == [f"{value:.4g}" for value in MATERIALS["rock"].reflectivity[:3]]
+    viewer.open(edit(small, {"sonar.beam": "array"}))
+    field = number_row(viewer, "sonar.frequency").field
+    for text, expected in (("600 kHz", 6e5), ("0.3MHz", 3e5), ("abc", 3e5), ("-5", 3e5)):
+        field.clear()
+        QTest.keyClicks(field, text)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        assert viewer.session.scene.sonar.frequency == pytest.approx(expected)
+    assert "frequency" in viewer.window.status.sentence.text()
+    assert field.text() == "300 kHz"
+    # A kind that is read from a file asks for it.
+    path = tmp_path / "correlation.csv"
+    path.write_text("lag,value\n0,1\n1,0.5\n2,0.1\n4,0\n")
+    viewer.open(edit(small, {"seabed.relief": {"kind": "autocorrelation"}}))
+    picked = ""
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (picked, ""))
+    pick(viewer, "seabed.relief.function.kind", "file")
+    assert viewer.session.scene.seabed.relief.function.kind == "exponential"
+    picked = str(path)
+    pick(viewer, "seabed.relief.function.kind", "file")
+    assert viewer.session.scene.seabed.relief.function.path == picked
 
 
-def test_refused_edit_is_said_and_the_slider_returns(viewer, small, qtbot):
+def test_edits_are_refused_in_a_sentence_or_take_rows_and_other_values_along(viewer, small, qtbot):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
@@ -177,27 +192,21 @@ def test_refused_edit_is_said_and_the_slider_returns(viewer, small, qtbot):
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: viewer.session.scene == small)
     assert "666" in viewer.window.status.sentence.text()
-
-
-def test_range_takes_the_ping_rate_along(viewer):
+    # A kind edits the scene and its rows.
+    pick(viewer, "sonar.beam.kind", "knife")
+    assert viewer.session.scene.sonar.beam.kind == "knife"
+    with pytest.raises(StopIteration):
+        viewer.panels["parameters"].view.row("sonar.beam.width")
+    viewer.window.undo.trigger()
+    assert viewer.session.scene.sonar.beam.kind == "fan"
+    assert number_row(viewer, "sonar.beam.width").field.text() == "1°"
+    # A range takes the ping rate along.
     viewer.session.drag({"sonar.range": 150.0})
     assert viewer.session.scene.sonar.ping_rate == 5.0
     assert "ping rate lowered to 5 Hz" in viewer.window.status.sentence.text()
     viewer.session.drag({"sonar.range": 60.0})
     assert viewer.session.scene.sonar.ping_rate == 10.0
     viewer.session.settle()
-
-
-def test_typing_a_value_and_nonsense(open_viewer, small):
-    viewer = open_viewer(edit(small, {"sonar.beam": "array"}))
-    field = number_row(viewer, "sonar.frequency").field
-    for text, expected in (("600 kHz", 6e5), ("0.3MHz", 3e5), ("abc", 3e5), ("-5", 3e5)):
-        field.clear()
-        QTest.keyClicks(field, text)
-        QTest.keyClick(field, Qt.Key.Key_Return)
-        assert viewer.session.scene.sonar.frequency == pytest.approx(expected)
-    assert "frequency" in viewer.window.status.sentence.text()
-    assert field.text() == "300 kHz"
 
 
 def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
@@ -224,45 +233,6 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 
 
-def test_undo_and_redo(viewer):
-    assert not viewer.window.undo.isEnabled()
-    viewer.session.settle({"track.altitude": 6.0})
-    viewer.session.settle({"track.altitude": 7.0})
-    viewer.window.undo.trigger()
-    assert viewer.session.scene.altitude == 6.0
-    viewer.window.redo.trigger()
-    assert viewer.session.scene.altitude == 7.0
-    assert not viewer.window.redo.isEnabled()
-
-
-def test_palette_and_gain_change_the_colours(viewer):
-    waterfall = viewer.window.waterfall
-    copper = picture_of(waterfall).copy()
-    viewer.window.palettes.setCurrentText("pen")
-    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
-    pen = picture_of(waterfall).copy()
-    assert (copper != pen).any()
-    viewer.window.gain.setValue(100)
-    assert viewer.window._gain_text.text() == "10 dB"
-    assert (picture_of(waterfall) != pen).any()
-    viewer.find_levels()
-    assert (picture_of(waterfall) == pen).all()
-
-
-def test_port_is_left_newest_on_top_and_other_bins_and_pings_make_a_new_record(viewer, qtbot):
-    amplitude = np.zeros((1, 2, 100), np.float32)
-    amplitude[0, 0, 99] = 50.0
-    viewer.window.waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
-    picture = picture_of(viewer.window.waterfall)
-    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
-    assert brightest[0] == 0
-    assert brightest[1] < picture.shape[1] // 50
-    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
-    assert viewer.window.waterfall.record is viewer.record
-
-
 def test_one_ping_one_bin(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
     viewer.window.resize(880, 520)
@@ -271,16 +241,7 @@ def test_one_ping_one_bin(open_viewer, small, qtbot):
     assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
-def test_small_window_clips_no_tool(viewer, qtbot):
-    viewer.window.resize(900, 600)
-    qtbot.waitUntil(lambda: viewer.window.width() == 900)
-    qtbot.wait(50)
-    last = next(b for b in viewer.window.findChildren(QToolButton) if b.text() == "Auto")
-    assert last.isVisible()
-    assert last.mapTo(viewer.window, QPoint(last.width(), 0)).x() <= 900
-
-
-def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
+def test_nothing_is_black_in_the_water_above_and_the_picture_is_saved(open_viewer, small, tmp_path, qtbot):
     viewer = open_viewer(small, solid=True)
 
     def is_water():
@@ -290,10 +251,7 @@ def test_nothing_black_in_the_water_above(open_viewer, small, qtbot):
 
     qtbot.wait(200)
     qtbot.waitUntil(is_water)
-
-
-def test_picture_is_saved_whole_or_not_at_all(open_viewer, small, tmp_path):
-    viewer = open_viewer(small)
+    # A picture is saved whole or not at all.
     save_picture(viewer.window, tmp_path / "w.png")
     assert (tmp_path / "w.png").stat().st_size > 10_000
     with pytest.raises(OSError, match="No such file"):
@@ -320,11 +278,34 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qt
     assert viewer.session.scene == scene
 
 
-def test_scene_file_that_cannot_be_read_is_said(viewer, small, tmp_path):
+def test_a_scene_is_refused_in_a_sentence_or_opened_by_the_menu_also_of_a_small_window(viewer, small, tmp_path, qtbot):
     (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
     assert "did you mean 'range'" in viewer.window.status.sentence.text()
     assert viewer.session.scene == small
+    # The menu opens bundled scenes.
+    menu = viewer.window.scenes
+    menu.fill()
+    *plain, last = menu.menu().actions()
+    names = [action.text().partition("\t")[0] for action in plain if action.data()]
+    failures = [action.text().partition("\t")[0] for action in last.menu().actions()]
+    assert last.text() == "Where it breaks"
+    assert names == [name for name in bundled_scenes() if not name.startswith("breaks-")]
+    assert failures == [name for name in bundled_scenes() if name.startswith("breaks-")]
+    wanted = load_scene("figure-4b")
+    action = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
+    assert wanted.description.split()[0] in action.toolTip()
+    menu.menu().triggered.emit(action)
+    assert viewer.session.scene == wanted
+    assert viewer.panels["parameters"].view.about.words == wanted.about
+    qtbot.waitUntil(lambda: viewer.complete)
+    # A small window clips no tool.
+    viewer.window.resize(900, 600)
+    qtbot.waitUntil(lambda: viewer.window.width() == 900)
+    qtbot.wait(50)
+    last = next(b for b in viewer.window.findChildren(QToolButton) if b.text() == "Auto")
+    assert last.isVisible()
+    assert last.mapTo(viewer.window, QPoint(last.width(), 0)).x() <= 900
 
 
 def test_seabed_and_progress_show_before_the_first_ping(open_viewer, small, qtbot):
@@ -343,16 +324,3 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer, small, qtbo
     qtbot.waitUntil(lambda: viewer.complete)
     qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is None)
     assert viewer.panels["parameters"].view.isEnabled()
-
-
-def test_a_kind_that_is_read_from_a_file_asks_for_it(open_viewer, small, tmp_path, monkeypatch):
-    path = tmp_path / "correlation.csv"
-    path.write_text("lag,value\n0,1\n1,0.5\n2,0.1\n4,0\n")
-    viewer = open_viewer(edit(small, {"seabed.relief": {"kind": "autocorrelation"}}))
-    picked = ""
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (picked, ""))
-    pick(viewer, "seabed.relief.function.kind", "file")
-    assert viewer.session.scene.seabed.relief.function.kind == "exponential"
-    picked = str(path)
-    pick(viewer, "seabed.relief.function.kind", "file")
-    assert viewer.session.scene.seabed.relief.function.path == picked

@@ -56,24 +56,6 @@ def test_a_fan_as_planned(say):
         )
 
 
-def test_a_fan_by_planes(say):
-    # How few planes come within 1.5 % of 64?
-    bare = prepare(edit(DEFAULT, {"sonar.beam.width": 2.5, "targets": []}))
-    poses, some = bare.poses(PINGS), bare.poses(SOME)
-
-    def tracing(planes):
-        return lambda: sweep.trace(bare.arrays, poses, planes=planes, threads=2)
-
-    timings = time_calls({planes: tracing(planes) for planes in range(8, 14)}, rounds=7)
-    fine = sweep.trace(bare.arrays, some, planes=64)
-    for planes, timing in timings.items():
-        errors = compare_records(bare.arrays, some, sweep.trace(bare.arrays, some, planes=planes), fine)
-        say(
-            f"fan of 2.5°, no targets, {planes} planes: {1e3 * timing.median:.0f} ms for {PINGS.size} pings on two "
-            f"threads, {100 * errors.beyond:.2f} % from 64 planes, {100 * errors.all_bins:.2f} % in all",
-        )
-
-
 def test_from_a_slider_to_the_record(say):
     # The altitude moves: what has been built of the bed stays.
     altitudes = iter(np.linspace(8.0, 12.0, 1000))

@@ -127,17 +127,18 @@ def test_memory_stays_flat_over_two_thousand_images(tmp_path, say):
     assert late[1] - early[1] < 60.0
 
 
-@pytest.mark.parametrize("count", [2000, 10_000])
-def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, say, count):
+@pytest.mark.parametrize(("count", "workers"), [(2000, 1), (2000, 2), (2000, 4), (2000, 8), (10_000, 2)])
+def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, say, monkeypatch, count, workers):
+    monkeypatch.setattr(local, "most_threads", lambda: workers)
     work = WrittenJobs(tmp_path / "set", count)
     begun, driver = time.perf_counter(), psutil.Process().cpu_times()
-    run_jobs(work, work.names(), "local:2", lambda ended: None)
+    run_jobs(work, work.names(), f"local:{workers}", lambda ended: None)
     seconds, now = time.perf_counter() - begun, psutil.Process().cpu_times()
     cpu = now.user + now.system - driver.user - driver.system
     listed = time.perf_counter()
     assert len(done_jobs(tmp_path / "set")) == count
     listed = time.perf_counter() - listed
     say(
-        f"{count} jobs that write 3 small files: {count / seconds:.0f} a second on two workers; driver and "
+        f"{count} jobs that write 3 small files: {count / seconds:.0f} a second on {workers} workers; driver and "
         f"scheduler {1e3 * cpu / count:.2f} ms of processor a job; {1e3 * listed:.0f} ms to list what is done\n",
     )

@@ -16,7 +16,6 @@ from insonify.display.display_options import DisplayOptions
 from insonify.display.normalisation import LevelBed
 from insonify.io.records import write_record
 from insonify.parallel import count_threads
-from insonify.receiver import receive
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify_viewer.work.simulator import BLOCK_TIME
@@ -107,44 +106,3 @@ def test_writing_beside_the_disk(say, tmp_path):
             f"{name} of ready blocks: {size / took / 1e6:,.0f} MB/s, {100 * disk / took:.0f} % of the "
             f"{data.nbytes / disk / 1e6:,.0f} that the disk takes",
         )
-
-
-def test_threads(say):
-    counts = sorted({1, min(2, count_threads()), count_threads()})
-    fan = edit(DEFAULT, {"sonar.pulse": "ideal"})
-    for name, scene, pings in (
-        ("knife", BARE, 512),
-        ("knife", BARE, 20_000),
-        ("fan, as planned", edit(fan, {"targets": []}), 512),
-        ("fan with targets, as planned", fan, 512),
-    ):
-        simulation = prepare(scene)
-        timings = time_calls({n: tracer(simulation, pings, n) for n in counts}, rounds=9)
-        times = ", ".join(
-            f"{n}: {1e6 * timing.median / pings:.2f} µs a ping (× {timings[1].median / timing.median:.2f}, "
-            f"± {100 * timing.spread:.0f} %)"
-            for n, timing in timings.items()
-        )
-        say(f"{name}, {pings} pings, threads {times}")
-
-
-def test_share_of_the_receiver(say):
-    """What tracing and each stage of the receiver take of the default scene's own record, one thread."""
-    pings = np.arange(512)
-    for name, changes in {
-        "knife, no targets": {"sonar.beam": "knife", "targets": []},
-        "default": {},
-        "default, Rayleigh": {"receiver.speckle": "rayleigh"},
-        "default, Rayleigh and noise": {"receiver.speckle": "rayleigh", "receiver.noise": "ambient"},
-    }.items():
-        simulation = prepare(edit(DEFAULT, changes), threads=1)
-        traced = simulation.tracer.trace(simulation.reduced, simulation.poses(pings), **simulation.plan.settings)
-        timings = time_calls(
-            {
-                "tracer": tracer(simulation, pings.size, 1),
-                "receiver": lambda ready=simulation.reception, traced=traced: receive(ready, traced, pings),
-            },
-            rounds=7,
-        )
-        trace, rest = (1e6 * timings[part].median / pings.size for part in ("tracer", "receiver"))
-        say(f"{name}: tracer {trace:.1f} µs a ping, receiver {rest:.1f} ({100 * rest / (trace + rest):.0f} %)")

@@ -12,7 +12,7 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
 
-SCENES = ("pipe-span", "ripples", "targets", "pipe-on-bed")
+SCENES = ("pipe-span", "ripples", "targets")
 SHORT = {"track.pings": 40, "sonar.bins": 300}
 
 

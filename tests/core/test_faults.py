@@ -41,30 +41,39 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-# Every format at one go, in a process with a limit on the size of a file; prints exit codes.
-LIMITED = """
-import resource, sys
-from pathlib import Path
-from insonify import cli
-folder, source, suffixes = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
-resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
-print([cli.main(["render", source, "-o", str(folder / f"record{suffix}")]) for suffix in suffixes])
+# Every format at one go, in a process of its own; prints exit codes.
+EACH = """
+import sys
+from insonify.__main__ import main
+source, *paths = sys.argv[1:]
+codes = []
+for path in paths:
+    sys.argv[1:] = ["mosaic" if path.endswith(".tif") else "render", source, "-o", path]
+    codes.append(main())
+print(codes)
 """
+LIMITED = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))\n"
+
+
+def run(words: list[str], environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    """Run Python in a process of its own."""
+    command = [sys.executable, *words]
+    return subprocess.run(command, capture_output=True, check=False, encoding="utf-8", env=environment)
 
 
 def test_a_file_that_may_not_grow_leaves_the_old_ones(tmp_path, whole):
     for suffix in OUTPUTS[:2]:
         (tmp_path / f"record{suffix}").write_text("old")
-    command = [sys.executable, "-c", LIMITED, str(tmp_path), str(whole / "record.nc"), *OUTPUTS]
+    paths = [str(tmp_path / f"record{suffix}") for suffix in OUTPUTS]
     # Bytecode cut short would stay and break imports; that of the process that reads files is complete after one file.
     read_record(whole / "record.nc")
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    done = run(["-c", LIMITED + EACH, str(whole / "record.nc"), *paths], environment)
     assert done.stdout.splitlines()[-1] == str([2] * len(OUTPUTS)), done.stderr
     lines = done.stderr.splitlines()
     assert len(lines) == len(OUTPUTS), done.stderr
-    for line, suffix in zip(lines, OUTPUTS):
-        assert line.startswith(f"insonify: {tmp_path}/record{suffix}: ")
+    for line, path in zip(lines, paths):
+        assert line.startswith(f"insonify: {path}: ")
         assert line.endswith("; check the path, its permissions and the disk")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["record.nc", "record.npz"]
     assert {file.read_text() for file in tmp_path.iterdir()} == {"old"}
@@ -142,21 +151,19 @@ def test_a_name_that_is_too_long_is_one_sentence(tmp_path, capsys, name):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names are text there")
-@pytest.mark.parametrize("suffix", [*OUTPUTS, ".tif"])
-def test_a_name_that_is_no_text_is_written_or_refused(tmp_path, whole, suffix):
-    path = tmp_path / f"\udcff{suffix}"
-    command = "mosaic" if suffix == ".tif" else "render"
-    done = run([command, str(whole / "record.nc"), "-o", str(path)], {"PYTHONIOENCODING": "utf-8:strict"})
-    if suffix in (".nc", ".tif"):
-        assert done.returncode == 2
-        assert done.stderr.count("\n") == 1
-        assert r"\udcff" in done.stderr
-        assert "needs a path in UTF-8; check the path" in done.stderr
-        assert list(tmp_path.iterdir()) == []
-    else:
-        assert (done.returncode, done.stderr) == (0, "")
-        assert r"\udcff" in done.stdout
-        assert list(tmp_path.iterdir()) == [path]
+def test_names_that_are_no_text_are_written_or_refused(tmp_path, whole):
+    paths = [tmp_path / f"\udcff{suffix}" for suffix in (*OUTPUTS, ".tif")]
+    written = [path for path in paths if path.suffix not in (".nc", ".tif")]
+    words = ["-c", EACH, str(whole / "record.nc"), *map(str, paths)]
+    done = run(words, {"PYTHONIOENCODING": "utf-8:strict"})
+    *told, codes = done.stdout.splitlines()
+    assert codes == str([0 if path in written else 2 for path in paths]), done.stderr
+    assert len(told) == len(written)
+    assert all(r"\udcff" in line for line in told)
+    for line, suffix in zip(done.stderr.splitlines(), (".nc", ".tif"), strict=True):
+        assert rf"\udcff{suffix}" in line
+        assert "needs a path in UTF-8; check the path" in line
+    assert set(tmp_path.iterdir()) == set(written)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names are text there")
@@ -183,12 +190,6 @@ def test_trouble_of_the_disk_is_called_by_its_name(tmp_path, capsys, monkeypatch
     assert list(tmp_path.iterdir()) == [path]
 
 
-def run(words: list[str], environment: dict[str, str], *options: str) -> subprocess.CompletedProcess[str]:
-    """Run the command in a process of its own."""
-    command = [sys.executable, *options, "-m", "insonify", *words]
-    return subprocess.run(command, capture_output=True, check=False, encoding="utf-8", env=environment)
-
-
 PLACES = {
     "no home": {},
     "a home that is not there": {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/nonexistent/cache"},
@@ -199,7 +200,7 @@ PLACES = {
 
 @pytest.mark.parametrize("place", PLACES)
 def test_a_command_needs_no_home(tmp_path, place):
-    done = run(["relief", "figure-2a", "-o", str(tmp_path / "bed.png")], PLACES[place])
+    done = run(["-m", "insonify", "relief", "figure-2a", "-o", str(tmp_path / "bed.png")], PLACES[place])
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "bed.png").is_file()
 
@@ -216,6 +217,7 @@ def test_a_command_needs_no_home(tmp_path, place):
 )
 def test_a_command_is_the_same_in_any_interpreter_and_language(tmp_path, whole, environment, options):
     path = tmp_path / "Lübeck ☃.npz"
-    done = run(["render", str(whole / "record.nc"), "-o", str(path)], dict(os.environ) | environment, *options)
+    words = [*options, "-m", "insonify", "render", str(whole / "record.nc"), "-o", str(path)]
+    done = run(words, os.environ | environment)
     assert (done.returncode, done.stderr) == (0, "")
     np.testing.assert_array_equal(read_record(path).intensity, read_record(whole / "record.npz").intensity)

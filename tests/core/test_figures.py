@@ -46,7 +46,7 @@ def test_a_fan_merges_what_a_knife_keeps_apart(name, apart):
     scene = load_scene(name)
     step = scene.sonar.range / scene.sonar.bins
     with_pair, without = (prepare(s, tolerance=0.003) for s in (scene, edit(scene, {"targets": []})))
-    poses = with_pair.poses(np.arange(scene.track.pings))
+    poses = with_pair.poses(np.arange(170, 231))  # about the middle of the pair
     # The same planes for both, so that the bed cancels exactly.
     planes = with_pair.plan.planes
     with_pair, without = (sweep.trace(s.arrays, poses, planes=planes)[:, 1] for s in (with_pair, without))
@@ -55,7 +55,7 @@ def test_a_fan_merges_what_a_knife_keeps_apart(name, apart):
         bins = slice(int((near - 0.6) / step), int((near + 0.1) / step))
         # Energy of the pair, ping by ping.
         profile = np.maximum(with_pair[:, bins].astype(float) - without[:, bins], 0.0).sum(axis=1)
-        between = profile[195:206].min() / profile.max()
+        between = profile[25:36].min() / profile.max()
         assert between == 0.0 if separate else between > 0.5
 
 

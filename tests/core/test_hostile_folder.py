@@ -27,6 +27,7 @@ compare record.nc record.nc -o compared.png
 explain default --ping 3 --range 25
 mosaic record.nc -o mosaic.tif
 """
+# The process that reads files is part of the commands above; that which compiles is in compiler/test_processes.py.
 STARTING = ("survey survey.toml -o survey", "dataset set.toml -o set")  # processes of their own
 ONE_AFTER_THE_OTHER = """
 import sys
@@ -34,13 +35,6 @@ from insonify.__main__ import load
 command = load()
 for line in sys.stdin:
     assert command(line.split()) == 0, line
-"""
-# The process that reads files is part of the commands above.
-COMPILED = """
-from insonify.compiler.processes import CompilingProcess
-process = CompilingProcess(reports=False)
-process.request(b"no kernel")
-assert process.wait(b"no kernel")
 """
 
 
@@ -111,9 +105,3 @@ def test_python_with_m_runs_a_checkout(loaded, tmp_path):
     (tmp_path / "resources").symlink_to(resources())
     done = run_module(core, "insonify", "scenes")
     assert (done.returncode, traces(core)) == (0, set()), done.stderr
-
-
-def test_a_process_that_compiles_imports_nothing_of_the_current_folder(folder):
-    """A queue.py there would otherwise run whenever a kernel is compiled for the first time."""
-    done = subprocess.run([sys.executable, "-P", "-c", COMPILED], cwd=folder, capture_output=True, text=True)
-    assert (done.returncode, traces(folder)) == (0, set()), done.stderr

@@ -122,9 +122,9 @@ def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
     }  # fmt: skip
     scene = edit(load_scene("default"), changes)
     level = {}
+    records = {"with": simulate(scene), "without": simulate(edit(scene, {"targets": []}))}
     for name in ("with.nc", "with.xtf", "without.nc", "without.xtf"):
-        record = simulate(scene if name.startswith("with.") else edit(scene, {"targets": []}))
-        write_record(tmp_path / name, [record])
+        write_record(tmp_path / name, [records[name.partition(".")[0]]])
         words = [str(tmp_path / name), "-o", str(tmp_path / "a.tif"), "--cell", "0.1", "--crs", "EPSG:32632"]
         assert main(["mosaic", *words]) == 0
         assert "cells of 0.1 m on EPSG:32632" in capsys.readouterr().out

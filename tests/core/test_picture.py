@@ -1,4 +1,6 @@
-"""What a picture must be: mirrored about nadir, newest on top, dark where silent, straight in ground range."""
+"""What a picture must be: mirrored about nadir, newest on top, dark where silent; and its options as texts."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,9 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from insonify.cli import main
 from insonify.display import display_options, normalisation
 from insonify.display import sheet as module
-from insonify.display.display_options import PALETTES, DisplayOptions, find_palettes, side_factors
+from insonify.display.display_options import (
+    PALETTES,
+    DisplayOptions,
+    display_settings,
+    find_palettes,
+    read_display,
+    side_factors,
+)
 from insonify.display.normalisation import LevelBed, estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
@@ -359,3 +369,59 @@ def test_a_bed_without_a_finite_height_has_the_curve_of_the_least_or_greatest_al
     assert np.isfinite(found).all()
     assert found.min() > 0.0
     np.testing.assert_array_equal(found[0], found[1])
+
+
+ALL_CHANGED = DisplayOptions(
+    side="port",
+    ground_range=True,
+    palette="grey",
+    gain=-3.5,
+    water_column=False,
+    reverse=True,
+    decibels=True,
+    levels=(0.1, 4.0),
+    side_gains=(0.0, 6.0),
+    side_slopes=(-2.0, 3.0),
+    newest_on_top=False,
+    bottom_line=True,
+    range_lines=True,
+    scale="true",
+    draped=True,
+)
+
+
+def test_every_option_is_read_back() -> None:
+    usual = DisplayOptions()
+    assert all(one != other for one, other in zip(ALL_CHANGED, usual))
+    assert DisplayOptions(**read_display(display_settings(ALL_CHANGED))) == ALL_CHANGED
+    assert display_settings(usual) == []
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "colour=red",
+        'palette="mauve"',
+        "reverse=1",
+        "gain=true",
+        "gain=nan",
+        "levels=[1]",
+        'side_gains=[0, "a"]',
+        "water_column",
+    ],
+)
+def test_a_mistake_names_option_and_value(setting: str) -> None:
+    with pytest.raises(SceneError, match=f"--display .*{setting.split('=')[0]}"):
+        read_display([setting])
+
+
+def test_a_whole_number_passes_for_a_gain() -> None:
+    assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
+
+
+def test_the_command_draws_by_the_options(tmp_path: Path) -> None:
+    for name, more in (("usual", []), ("shown", ["--display", "reverse=true", "--display", "water_column=false"])):
+        words = ["render", "figure-4a", "--set", "track.pings=64", "-o", str(tmp_path / f"{name}.png")]
+        assert main([*words, *more]) == 0
+    usual, shown = (np.asarray(Image.open(tmp_path / f"{name}.png").convert("L")) for name in ("usual", "shown"))
+    assert usual.shape != shown.shape or not np.array_equal(usual, shown)

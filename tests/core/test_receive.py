@@ -81,15 +81,6 @@ def test_an_even_echo_grows_with_the_pulse_and_light_does_not():
     assert received(scene_with(sonar__pulse="ideal"), traced) is traced
 
 
-def test_speckle_of_an_ideal_pulse_is_independent_from_bin_to_bin_and_ping_to_ping():
-    declared = scene_with(sonar__pulse="ideal", receiver__speckle="rayleigh")
-    cube = received(declared, np.ones((60, 2, BINS), np.float32)).astype(float) - 1.0
-    bound = 4.0 / np.sqrt(cube.size)
-    assert abs((cube[:, :, 1:] * cube[:, :, :-1]).mean()) < bound
-    assert abs((cube[1:] * cube[:-1]).mean()) < bound
-    assert abs((cube[:, 0] * cube[:, 1]).mean()) < 1.5 * bound
-
-
 @pytest.mark.parametrize(
     "changes",
     [

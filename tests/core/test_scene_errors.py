@@ -152,24 +152,28 @@ def test_a_wrong_value_is_named(changes, words):
 ODD = [None, True, -1e400, math.nan, 10**400, "x", "", b"\xff", [], [[1]], {}, {"a": 1}, object(), "y" * 9999]
 
 
-def paths(values, place=()):
-    """Every path within plain values."""
+def paths(values, seen, place=(), kinds=()):
+    """One path within plain values to each field of a kind, and to one element of each list, that was not seen yet."""
     items = values.items() if isinstance(values, dict) else enumerate(values) if isinstance(values, list) else ()
     for key, value in items:
-        yield ".".join(map(str, (*place, key)))
-        yield from paths(value, (*place, key))
+        field = (*kinds, key if isinstance(values, dict) else "element", isinstance(value, dict) and value.get("kind"))
+        if field not in seen:
+            yield ".".join(map(str, (*place, key)))
+        seen.add(field)
+        yield from paths(value, seen, (*place, key), field)
 
 
-@pytest.mark.parametrize("name", ["default", "raw-record", "rough-tow", "thermocline", "figure-5-relief"])
-def test_odd_values_are_told_in_plain_words(name):
-    scene, sentences = load_scene(name), {}
-    for path in paths(plain(scene)):
-        for number, value in enumerate(ODD):
-            try:
-                edit(scene, {path: value})
-            except SceneError as error:
-                sentences[path, number] = str(error)
-    assert len(sentences) > 100
+def test_odd_values_are_told_in_plain_words():
+    seen, sentences = set(), {}
+    for name in ("default", "raw-record", "rough-tow", "thermocline", "figure-5-relief"):
+        scene = load_scene(name)
+        for path in paths(plain(scene), seen):
+            for number, value in enumerate(ODD):
+                try:
+                    edit(scene, {path: value})
+                except SceneError as error:
+                    sentences[path, number] = str(error)
+    assert len(sentences) > 1000
     assert {
         where: said for where, said in sentences.items() if not is_one_sentence(said) or "nput should" in said
     } == {}

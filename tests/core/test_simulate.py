@@ -64,15 +64,15 @@ def test_no_pings_blocks_or_threads_are_refused(options, sentence):
 def test_blocks_of_any_size_make_the_same_record(monkeypatch, truth):
     turn = {"kind": "turn", "rate": 20.0, "begin": 1.0}
     motion = {"kind": "sum", "of": ["heave", "sway", "yaw", "pitch", "roll", turn]}
-    scene = small(71, receiver__speckle="rayleigh", track__motion=motion)
+    scene = small(37, receiver__speckle="rayleigh", track__motion=motion)
     whole = simulate(scene, truth=truth, threads=1)
     for block in (13, 1000):
         parts = list(simulate_blocks(scene, truth=truth, block=block, threads=3))
-        assert len(parts) == math.ceil(71 / block)
+        assert len(parts) == math.ceil(37 / block)
         xr.testing.assert_identical(join_blocks(parts), whole)
     monkeypatch.setattr(module, "BLOCK_TIME", 1e-9)  # one ping a block
     xr.testing.assert_identical(simulate(scene, truth=truth), whole)
-    assert [block.sizes["ping_time"] for block in simulate_blocks(scene, truth=truth)] == 71 * [1]
+    assert [block.sizes["ping_time"] for block in simulate_blocks(scene, truth=truth)] == 37 * [1]
 
 
 @pytest.mark.usefixtures("fixed_model")
@@ -83,13 +83,13 @@ def test_blocks_of_any_size_make_the_same_record(monkeypatch, truth):
         ("targets", {"track.altitude": 5.0, "sonar.beam": {"kind": "array", "length": 0.3}}),
         ("targets", {"sonar.beam.squint": 20.0, "track.start": [0.0, -5.0]}),
         ("targets", {"receiver.crosstalk": -30.0}),
-        ("endless", {"receiver.speckle": "rayleigh", "track.pings": 60}),
+        ("endless", {"receiver.speckle": "rayleigh", "track.pings": 15}),
     ],
 )
 def test_labels_of_targets_alone_are_those_of_the_whole(name, changes):
     scene = load_scene(name)
-    pings = min(scene.track.pings, 400)
-    scene = edit(scene, {"track.pings": pings, "sonar.bins": 300, **changes})
+    seldom = {"track.pings": min(scene.track.pings // 4, 100), "sonar.ping_rate": scene.sonar.ping_rate / 4.0}
+    scene = edit(scene, {**seldom, "sonar.bins": 300, **changes})
     whole, alone = (simulate(scene, truth=truth) for truth in (True, "targets"))
     assert {"material", "ground_range", "incidence"}.isdisjoint(alone)
     for found in alone:

@@ -111,7 +111,7 @@ def test_a_rough_bed_heard_along_two_paths_is_as_by_many_single_rays():
     options = {"periodic": True, "bins": BINS, "bin_length": BIN}
     scene = arrays_of(rough(512, 512, rms=0.08, seed=23), 0.25, **options)._replace(water=WATER)
     poses = poses_of(0.0, 0.0, SONAR_HEIGHT)
-    twice, many = slice(2380, 2890), rays.trace(scene, poses, rays=1 << 20)[0]
+    twice, many = slice(2380, 2890), rays.trace(scene, poses, rays=1 << 19)[0]
     for count, limit in ((1 << 12, 1e-2), (1 << 14, 2e-3)):
         off = ray_sheets.trace(scene, poses, sheets=1, rays=count)[0, :, twice] - many[:, twice]
         assert np.linalg.norm(off) < limit * np.linalg.norm(many[:, twice])

@@ -104,10 +104,11 @@ def test_a_broad_beam_decorrelates_sooner():
     assert correlation(broad, 4, 0) < 0.05
 
 
-def test_far_sides_and_other_pings_are_independent():
+def test_of_an_ideal_pulse_bins_sides_and_other_pings_are_independent():
     intensity = speckle(400, sonar__pulse="ideal") - 1.0
     bound = 4.0 / math.sqrt(intensity.size)
     assert abs((intensity[1:] * intensity[:-1]).mean()) < bound
+    assert abs((intensity[:, :, 1:] * intensity[:, :, :-1]).mean()) < bound
     assert abs((intensity[:, 0] * intensity[:, 1]).mean()) < 1.5 * bound
 
 

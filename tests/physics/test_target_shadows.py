@@ -23,7 +23,7 @@ from water import water_about
 FLAT = np.zeros((4, 4))
 ALTITUDE = 10.0
 DEGREE = math.radians(1.0)
-BINS, STEP = 700, 0.05
+BINS, STEP = 600, 0.05
 LENGTH, FREQUENCY, SPEED = 0.2, 400e3, 1500.0
 BALL = ((0.0, 20.0, 0.5), 0.5)
 PIPE = ((-3.0, 18.0, 0.9), (3.0, 22.5, 0.9), 0.3)  # oblique, above the bed, its ends out of sight
@@ -45,9 +45,9 @@ def beam_options(beam):
 
 RESPONSES = {
     "knife": (brute_force.knife, [0.0]),
-    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 201)),
-    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 301)),
-    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 801)),
+    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 151)),
+    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 201)),
+    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 401)),
 }
 BODIES = {
     "sphere": ({"solids": [BALL]}, [brute_force.sphere(*BALL)]),

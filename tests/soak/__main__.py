@@ -25,17 +25,7 @@ GROWTH = 150.0  # MB, that the window may hold more at the end than when it had 
 
 
 class Person:
-    """Acts on the window until the time is over, then closes it.
-
-    Parameters
-    ----------
-    viewer : Viewer
-        The window.
-    seconds, seed
-        For how long, and the seed of the actions.
-    faults, gaps
-        Told what is being done, and what the 3-D view is.
-    """
+    """Acts on the window until the time is over, then closes it."""
 
     def __init__(self, viewer: Viewer, seconds: float, seed: int, faults: Faults, gaps: Gaps) -> None:
         self._viewer, self._seconds, self._faults, self._gaps = viewer, seconds, faults, gaps

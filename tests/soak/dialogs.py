@@ -25,15 +25,7 @@ TESTS = Path(__file__).parents[1]
 
 
 class Answers:
-    """Answers every dialog at once.
-
-    Parameters
-    ----------
-    random : Generator
-        Draws the answers.
-    folder : Path
-        Holds the files.
-    """
+    """Answers every dialog at once."""
 
     def __init__(self, random: np.random.Generator, folder: Path) -> None:
         self._random, self._folder, self._files = random, folder, 0

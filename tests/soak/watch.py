@@ -84,19 +84,11 @@ class Faults:
 
 
 class Gaps(QObject):
-    """Time between turns of the main loop without the 3-D drawing, and where the long ones come from.
-
-    Attributes
-    ----------
-    gaps, busy : array of float
-        Seconds of each turn by the clock, and of processor time of the main thread: a million an hour, which as objects
-        would take what a leak of the window does.
-    causes : Counter
-        Long gaps in words.
-    """
+    """Time between turns of the main loop without the 3-D drawing, and where the long ones come from."""
 
     def __init__(self) -> None:
         super().__init__()
+        # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
         self.gaps, self.busy = array("d"), array("d")
         self.causes: Counter[str] = Counter()
         self._last, self._ending = _now(), threading.Event()

@@ -30,6 +30,7 @@ from insonify_viewer.widgets.theme import GROUND, text_scale
 from insonify_viewer.work.waiting import Waiting
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 34
+HIDDEN_TRACE = "▸ echo"  # is clicked to show the echo trace
 GEOMETRY = ("side", "ground_range", "water_column", "side_gains", "side_slopes", "newest_on_top", "scale")
 
 
@@ -277,7 +278,10 @@ class RecordCanvas(Painted):
         plot, projection = self.plot_area, self.projection
         painter.fillRect(self.rect(), QColor(GROUND))
         self.image.draw(painter, plot, projection)
-        overlays.draw_range_ruler(painter, plot, projection, name_scale(plot, *self._shown_extent()), self._text)
+        shown = self.trace_caption() is not None and self.trace_area() is None
+        taken = painter.fontMetrics().horizontalAdvance(f"{HIDDEN_TRACE}  ") if shown else 0
+        scale = name_scale(plot, *self._shown_extent())
+        overlays.draw_range_ruler(painter, plot, projection, scale, self._text, taken)
         beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
         overlays.draw_ping_ruler(painter, beside, projection, self._step, self._text)
         first, last = (projection.newest - age for age in projection.ages)
@@ -306,7 +310,7 @@ class RecordCanvas(Painted):
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the newest one."""
         area, record, caption = self.trace_area(), self.record, self.trace_caption()
         if area is None and caption is not None:
-            draw_caption(painter, caption, "▸ echo")
+            draw_caption(painter, caption, HIDDEN_TRACE)
         mark = self._marks.pointed
         ping = self.top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])

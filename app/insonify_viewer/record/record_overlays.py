@@ -146,8 +146,10 @@ def draw_word(painter: QPainter, plot: QRect, word: str) -> None:
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, word)
 
 
-def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, scale: str, text: float) -> None:
-    """Draw metres of range from nadir to both sides."""
+def draw_range_ruler(
+    painter: QPainter, plot: QRect, projection: Projection, scale: str, text: float, taken: int
+) -> None:
+    """Draw metres of range from nadir to both sides; the first pixels of the line of their name are taken."""
     base = plot.bottom() + 1
     for value, x in range_ticks(plot, projection, text):
         painter.setPen(QColor(EDGE))
@@ -157,11 +159,12 @@ def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, sca
         painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{abs(value):g}")
     painter.setPen(QColor(QUIET))
     beyond = round(24 * text)  # the margins hold what is longer than the record is wide
-    line = _lines(plot.left() - beyond, base + round(20 * text), plot.width() + 2 * beyond, text)
+    begin, end = plot.left() + (taken or -beyond), plot.right() + beyond
     name = f"{NAMES[projection.axis.kind]} (m)"
     whole = f"{name}  ·  {scale}"
-    fits = painter.fontMetrics().horizontalAdvance(whole) <= line.width()
-    painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, whole if fits else name)
+    words = whole if painter.fontMetrics().horizontalAdvance(whole) <= end - begin else name
+    left = max(plot.center().x() - painter.fontMetrics().horizontalAdvance(words) // 2, begin)
+    painter.drawText(_lines(left, base + round(20 * text), end - left, text), Qt.AlignmentFlag.AlignLeft, words)
     painter.setPen(QColor(TEXT))
     line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)
     first, last = projection.shown

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QSizeF, Qt
 from PySide6.QtGui import (
     QContextMenuEvent,
     QImage,
@@ -111,8 +111,8 @@ class OffScreenCanvas:
         """Call a function with the place of a click."""
         self.widget.clicked = clicked
 
-    def _resize(self, width: int, height: int) -> None:
-        self.plotter.window_size = [max(width, 2), max(height, 2)]
+    def _resize(self, size: QSizeF) -> None:
+        self.plotter.window_size = [max(round(size.width()), 2), max(round(size.height()), 2)]
         self.draw()
 
     def draw(self) -> None:
@@ -146,13 +146,14 @@ class _PixelsWidget(Painted):
 
     @guard_override(None)
     def resizeEvent(self, event: QResizeEvent) -> None:
-        self._resized(self.width(), self.height())
+        self._resized(self.size().toSizeF() * self.devicePixelRatioF())  # in pixels of the screen
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         place = event.position()
         if event.button() is not Qt.MouseButton.LeftButton:
             return
-        self.clicked(place.x(), self.height() - 1.0 - place.y())
+        ratio = self.devicePixelRatioF()
+        self.clicked(place.x() * ratio, (self.height() - 1.0 - place.y()) * ratio)
 
     def paint(self, painter: QPainter) -> None:
         painter.drawImage(self.rect(), self._image)

@@ -54,7 +54,6 @@ class SeabedView(QWidget):
 
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setMinimumSize(200, 140)
         self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
         fill(QVBoxLayout(self), self._canvas.widget, margins=(0, 0, 0, 0))
         self._reach = 0.0  # slant range of the sonar that is shown, m

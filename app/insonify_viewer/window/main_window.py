@@ -52,6 +52,7 @@ from insonify_viewer.window.tour import Tour, tour_steps
 # px at the usual size of the text, and share of a large screen, that the window takes at the first start.
 USUAL, ROOMY = (1480, 900), 0.7
 VIEWS = 400, 600  # shares of the 3-D view and the record
+SMALLEST_VIEW = (200, 140)  # px, of the 3-D view
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
 
@@ -77,6 +78,7 @@ class MainWindow(QMainWindow):
         tip = "Show the echo of one ping as a curve below the record"
         self.trace = make_action(self, "Echo", tip, "E", self.waterfall.toggle_trace)
         self._placeholder = QLabel("loading the 3-D view …", alignment=Qt.AlignmentFlag.AlignCenter)
+        self._placeholder.setMinimumSize(*SMALLEST_VIEW)  # else the record becomes narrower when the view is there
         self._splitter = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
         self.record_a = RecordAView(native=native)
         self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
@@ -157,6 +159,7 @@ class MainWindow(QMainWindow):
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
         sizes = self._splitter.sizes()
+        view.setMinimumSize(*SMALLEST_VIEW)
         self._splitter.replaceWidget(0, view)
         self._splitter.setSizes(sizes)
         view.show()

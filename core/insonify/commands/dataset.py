@@ -2,7 +2,6 @@
 
 import argparse
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import add_specification, say
@@ -35,6 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Do the missing jobs, then write the files about the whole data set."""
     # lazy: the other commands need none of it
     from insonify.io.atomic import replacing
+    from insonify.io.object_store import folder_at
     from insonify.scene import load_scene
     from insonify.surveys.datasets.assembly import assemble, draw_sheet
     from insonify.surveys.datasets.scenes import check_draws, draw_scene
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     bundled = bundled_specifications("datasets")
     changes = {} if arguments.scenes is None else {"scenes": arguments.scenes}
     specification = read_specification(arguments.specification, DatasetSpecification, bundled, changes)
-    work = DatasetWork(specification, load_scene(specification.base), Path(arguments.output).absolute())
+    work = DatasetWork(specification, load_scene(specification.base), folder_at(arguments.output))
     check_draws(specification, work.base)
     if arguments.preview is not None:
         drawn = (draw_scene(specification, work.base, number) for number in range(arguments.preview))

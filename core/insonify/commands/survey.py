@@ -26,6 +26,8 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate the missing lines, then write the files about the whole survey."""
     # lazy: the other commands need none of it
+    from insonify.errors import SceneError
+    from insonify.io.object_store import folder_at, in_store
     from insonify.scene import load_scene
     from insonify.surveys.engine import INTERRUPTED, work_on
     from insonify.surveys.lines.specification import SurveySpecification
@@ -35,7 +37,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     bundled = bundled_specifications("surveys")
     specification = read_specification(arguments.specification, SurveySpecification, bundled, {})
-    work = SurveyWork(specification, load_scene(specification.base), Path(arguments.output).absolute())
+    folder = folder_at(arguments.output)
+    if in_store(folder):
+        raise SceneError(
+            f"-o {arguments.output}: the summary reads the records again, which needs a disk; give a folder"
+        )
+    work = SurveyWork(specification, load_scene(specification.base), folder)
     ended = work_on(work, "survey", arguments.scheduler, "line")
     if ended is None:
         return INTERRUPTED

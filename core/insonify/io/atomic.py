@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import NamedTuple, NoReturn
 
 from insonify.errors import FileWarning, SceneError
+from insonify.io.object_store import in_store, uploading
 from insonify.operating_system import interrupt_main_thread, lock_file
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
@@ -114,6 +115,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path for the new content of a file; when it is complete, it replaces the file."""
     # After an error, an interrupt or a request to end, the old file is unchanged and no temporary file is left. What a
     # killed process left is removed by the next one that writes the same file.
+    if not isinstance(path, str) and in_store(path):
+        with uploading(path) as beside:
+            yield beside
+        return
     final = Path(path)
     # A link is followed, so that the file it points to is replaced, not the link.
     final = final.resolve() if final.is_symlink() else final

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import IO, Any, Literal
 
 from insonify.io.atomic import replacing, write_text
+from insonify.io.object_store import in_store
 from insonify.scene.base import Family, Kind, parameter
 
 ANNOTATIONS = Family("annotations")
@@ -110,11 +111,12 @@ def _append(file: IO[str], entry: Mapping[str, Any], number: int) -> None:
 def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_CocoFile]:
     """Open a file that appears when it is whole."""
     categories = [{"id": number, "name": name} for number, name in enumerate(classes, 1)]
-    path.parent.mkdir(parents=True, exist_ok=True)
+    if not in_store(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
     with (
         replacing(path) as beside,
         open(beside, "w", encoding="utf-8", newline="") as images,
-        tempfile.TemporaryFile("w+", encoding="utf-8", newline="", dir=path.parent) as annotations,
+        tempfile.TemporaryFile("w+", encoding="utf-8", newline="", dir=beside.parent) as annotations,
     ):
         images.write(f'{{"categories": {json.dumps(categories)},\n"images": [\n')
         yield _CocoFile(images, annotations, extent, classes)

@@ -17,10 +17,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple, Protocol
 
 from insonify.errors import SceneError
 from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folder
+from insonify.io.object_store import in_store
 from insonify.progress import open_progress
 from insonify.surveys.schedulers import Workers, connected
 
@@ -112,27 +114,30 @@ def finish(work: Work, name: str) -> Outcome:
     flag = flag_of(work.folder, name)
     try:
         if not flag.exists():
-            flag.parent.mkdir(parents=True, exist_ok=True)
-            with unfinished_folder(flag) as folder:
-                beside, written = folder / "files", folder / flag.name
+            if not in_store(flag):
+                flag.parent.mkdir(parents=True, exist_ok=True)
+            with TemporaryDirectory() if in_store(flag) else unfinished_folder(flag) as folder:
+                beside, written = Path(folder, "files"), Path(folder, flag.name)
                 beside.mkdir()
                 report = work.make(name, beside)
-                _put_below(beside, work.folder)
+                for place, _, files in os.walk(beside):
+                    for file in sorted(files):
+                        made = Path(place, file)
+                        _put(made, work.folder / made.relative_to(beside).as_posix())
                 written.write_text(json.dumps(report, ensure_ascii=False), encoding="utf-8", newline="")
-                written.replace(flag)
+                _put(written, flag)
         return Outcome(name, int(read_flag(work.folder, name).get("made", 0)))
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(work.folder)) from None
 
 
-def _put_below(beside: Path, folder: Path) -> None:
-    """Move every file below one folder to its place below another; each replaces one of the same name."""
-    for place, _, names in os.walk(beside):
-        final = folder / Path(place).relative_to(beside)
-        if names:
-            final.mkdir(parents=True, exist_ok=True)
-        for name in sorted(names):
-            os.replace(Path(place) / name, final / name)
+def _put(file: Path, final: Path) -> None:
+    """Move a file to its place, where it replaces one of the same name."""
+    if in_store(final):
+        final.write_bytes(file.read_bytes())
+    else:
+        final.parent.mkdir(parents=True, exist_ok=True)
+        file.replace(final)
 
 
 def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
@@ -153,8 +158,9 @@ def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
 
 def _clear_unfinished(folder: Path) -> None:
     """Remove what ended workers left of unfinished jobs."""
-    for shelf in (folder / FLAGS).glob("*/"):
-        clear_ended(shelf)
+    if not in_store(folder):
+        for shelf in (folder / FLAGS).glob("*/"):
+            clear_ended(shelf)
 
 
 def run_jobs(

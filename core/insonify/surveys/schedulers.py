@@ -20,6 +20,7 @@ from insonify.compiler.build import Build, own_build, stated_build
 from insonify.cores import VARIABLE, most_threads
 from insonify.errors import SceneError
 from insonify.io.atomic import unfinished_folder
+from insonify.io.object_store import in_store
 from insonify.operating_system import interrupts_blocked
 from insonify.plugins import announced
 
@@ -79,8 +80,12 @@ class Workers:
 
 def claim_build(flags: Path, build: Build) -> Build:
     """Record the build that files of a folder are to be made with; return it, or that of another driver before this."""
-    flags.mkdir(parents=True, exist_ok=True)
     final = flags / RECORD
+    if in_store(final):
+        if (first := read_build(flags)) is None:
+            final.write_text(json.dumps(build._asdict()), encoding="utf-8")
+        return first or build
+    flags.mkdir(parents=True, exist_ok=True)
     with unfinished_folder(final) as folder:
         written = folder / RECORD
         written.write_text(json.dumps(build._asdict()), encoding="utf-8", newline="")

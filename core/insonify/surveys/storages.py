@@ -74,7 +74,8 @@ class Files(StorageKind, kind="files", rank=10):
 
     def read_image(self, folder: Path, file: str) -> Pixels:
         """Read a picture."""
-        return _decode(folder / file)
+        with (folder / file).open("rb") as stream:
+            return _decode(stream)
 
 
 class WebDataset(StorageKind, kind="webdataset", rank=20):
@@ -99,7 +100,7 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
     def read_image(self, folder: Path, file: str) -> Pixels:
         """Read a picture from its archive."""
         path, _, name = file.partition(MARK)
-        with tarfile.open(folder / path) as archive:
+        with (folder / path).open("rb") as stream, tarfile.open(fileobj=stream) as archive:
             return _decode(archive.extractfile(name))
 
 
@@ -132,7 +133,7 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
         import zarr
 
         path, _, place = file.partition(MARK)
-        images = zarr.open_array(folder / path / IMAGES, mode="r")
+        images = zarr.open_array(str(folder / path / IMAGES), mode="r")
         shapes: Any = images.attrs["shapes"]
         pings, bins = shapes[int(place)]
         return np.asarray(images[int(place), :pings, :bins])

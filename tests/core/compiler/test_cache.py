@@ -3,19 +3,21 @@
 import json
 import os
 import pickle
+import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numba
+import platformdirs
 import pytest
 
 from commands import output_of
 from insonify.compiler.cache import _CacheFile
+from insonify.compiler.cache_folder import CacheWarning, cache_folder, is_private
 from insonify.compiler.digests import source_digests
 
 SOURCES = {
@@ -123,11 +125,11 @@ def damage_a_bit(content: bytes) -> bytes:
 
 
 @compiled
-@pytest.mark.parametrize(("files", "damage"), [("*.nb[ci]", lambda _: b"damaged"), ("*.nbc", damage_a_bit)])
-def test_machine_code_is_compiled_anew_once_damaged(cache: Path, files: str, damage: Callable[[bytes], bytes]) -> None:
-    for file in cache.rglob(files):
-        file.write_bytes(damage(file.read_bytes()))
-    assert use_kernel(cache) == (0, "")
+def test_machine_code_is_compiled_anew_once_damaged(cache: Path) -> None:
+    for files, damage in (("*.nb[ci]", lambda _: b"damaged"), ("*.nbc", damage_a_bit)):
+        for file in cache.rglob(files):
+            file.write_bytes(damage(file.read_bytes()))
+        assert use_kernel(cache) == (0, "")
     assert use_kernel(cache) == (1, "")
 
 
@@ -199,33 +201,40 @@ def test_the_folder_is_made_for_this_user_alone(made: Path) -> None:
 
 
 @owned
-@pytest.mark.parametrize("place", ["insonify/kernels", "insonify", ""])
-def test_a_folder_to_which_others_may_write_is_not_used(cache: Path, place: str) -> None:
-    (cache / place).chmod(0o777)
+def test_a_folder_to_which_others_may_write_is_not_used(cache: Path) -> None:
+    folder = cache / "insonify" / "kernels"
+    for place in (folder, folder.parent, cache):
+        place.chmod(0o777)
+        with pytest.warns(CacheWarning, match=f"other users may write to {re.escape(str(place))};"):
+            assert not is_private(folder)
+        place.chmod(0o700)
+    assert is_private(folder)
+    cache.chmod(0o777)
     hits, warned = use_kernel(cache)
     assert hits == 0
-    assert f"other users may write to {cache / place}" in warned
     assert warned.count("neither read") == 1
 
 
 @owned
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives folders away")
 @pytest.mark.parametrize("place", ["insonify/kernels", ""])
-def test_a_folder_of_another_user_is_not_used_even_by_root(cache: Path, place: str) -> None:
-    os.chown(cache / place, 12345, 12345)
-    hits, warned = use_kernel(cache)
-    assert hits == 0
-    assert f"{cache / place} belongs to another user" in warned
+def test_a_folder_of_another_user_is_not_used_even_by_root(tmp_path: Path, place: str) -> None:
+    folder = tmp_path / "insonify" / "kernels"
+    folder.mkdir(parents=True)
+    os.chown(tmp_path / place, 12345, 12345)
+    with pytest.warns(CacheWarning, match=f"{re.escape(str(tmp_path / place))} belongs to another user"):
+        assert not is_private(folder)
 
 
 @owned
-def test_nothing_is_read_below_the_current_folder_where_the_user_has_no_home(tmp_path: Path) -> None:
-    strange = "import os, platformdirs\nplatformdirs.user_cache_dir = lambda name: f'~/.cache/{name}'\n"
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    command = [sys.executable, "-c", strange + USE, numba.__version__]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True, text=True)
-    assert done.stdout.split() == [VALUE, "0"]
-    assert "this user has no home folder" in done.stderr
+def test_nothing_is_kept_below_the_current_folder_where_the_user_has_no_home(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr(platformdirs, "user_cache_dir", lambda name: f"~/.cache/{name}")
+    monkeypatch.chdir(tmp_path)
+    with pytest.warns(CacheWarning, match="this user has no home folder"):
+        assert not is_private(cache_folder())
     assert not list(tmp_path.iterdir())
 
 

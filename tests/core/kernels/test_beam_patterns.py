@@ -68,19 +68,19 @@ def level_bed(arrays, heading, pitch, roll):
     edges = np.concatenate([near, far[1:]])
     r, dr = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     out = np.zeros((2, arrays.bins))
-    azimuth = (np.arange(6000) + 0.5) / 6000 * math.pi - math.pi / 2  # from athwart
+    azimuth = (np.arange(3000) + 0.5) / 3000 * math.pi - math.pi / 2  # from athwart
     for side in (0, 1):
         turned = heading + (math.pi / 2 - azimuth if side == 0 else azimuth - math.pi / 2)
         for k in range(r.size):
             c = math.sqrt(1.0 - (HEIGHT / r[k]) ** 2)
-            direction = np.column_stack([c * np.cos(turned), c * np.sin(turned), np.full(6000, -HEIGHT / r[k])])
-            along, vertical = heard(arrays.pattern, fish, side, direction, np.full(6000, r[k]))
+            direction = np.column_stack([c * np.cos(turned), c * np.sin(turned), np.full(3000, -HEIGHT / r[k])])
+            along, vertical = heard(arrays.pattern, fish, side, direction, np.full(3000, r[k]))
             if arrays.law == LIGHT:
                 # Averaged along the track, weighted by the vertical beam.
                 value = HEIGHT / r[k] * (along * vertical).sum() / max(along.sum(), 1e-300) * dr[k] / arrays.bin_length
             else:
                 # dA = r dr dφ, σ = cos²α / π.
-                value = (HEIGHT / r[k]) ** 2 / math.pi * (along * vertical).sum() * math.pi / 6000 * r[k] * dr[k]
+                value = (HEIGHT / r[k]) ** 2 / math.pi * (along * vertical).sum() * math.pi / 3000 * r[k] * dr[k]
             out[side, int(r[k] / arrays.bin_length)] += value
     return out
 

@@ -20,7 +20,7 @@ from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW
 from insonify.surveys.specification import read_specification
-from small_sets import SET
+from small_sets import SET, run_here
 
 BASE = load_scene("default")
 CHIPS = """
@@ -248,7 +248,7 @@ def test_a_preview_is_one_picture_and_no_set(tmp_path):
 def test_a_set_of_chips_is_made_by_the_command(tmp_path):
     path, folder = tmp_path / "set.toml", tmp_path / "set"
     path.write_text(CHIPS)
-    assert cli.main(["dataset", str(path), "-o", str(folder), "--scheduler", "local:1"]) == 0
+    assert run_here("dataset", str(path), "-o", str(folder)) == 0
     lines = [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
     assert {line["class"] for line in lines} == {"wreck", None}
     for line in lines:

@@ -26,7 +26,7 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.engine import finish, read_flag
 from insonify.surveys.specification import read_specification
 from insonify.surveys.storages import Tile, ZarrStore
-from small_sets import SET, contents, write_set
+from small_sets import SET, contents, run_here, write_set
 
 BASE = load_scene("default")
 
@@ -206,7 +206,7 @@ def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_p
     path = write_set(tmp_path)
     assert cli.main(["dataset", str(path), "-o", str(small)]) == 0
     assert contents(small) == before
-    assert cli.main(["dataset", str(path), "-o", str(small), "--scenes", "9", "--scheduler", "local:1"]) == 0
+    assert run_here("dataset", str(path), "-o", str(small), "--scenes", "9") == 0
     after = contents(small)
     assert {name for name in before if "images" in name} <= set(after)
     assert all(after[name] == digest for name, digest in before.items() if "/images/" in name)
@@ -307,7 +307,7 @@ def test_an_unknown_target_is_told_before_anything_is_made(tmp_path, capsys):
 
 def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
     path = write_set(tmp_path, SET.replace("low = 5.0, high = 7.0", "low = 20.0, high = 40.0"))
-    assert cli.main(["dataset", str(path), "-o", str(tmp_path / "set"), "--scheduler", "local:1"]) == 2
+    assert run_here("dataset", str(path), "-o", str(tmp_path / "set")) == 2
     complaint = capsys.readouterr().err
     assert "7 of 8 jobs failed, the others are finished; job 1: scene 1: targets: no ground range" in complaint
     assert {line["scene"] for line in metadata(tmp_path / "set")} == {0}

@@ -12,28 +12,27 @@ from pathlib import Path
 
 import pytest
 
-from insonify import cli
 from insonify.surveys.engine import done_jobs, read_flag
-from small_sets import contents, write_set
+from small_sets import contents, run_here, write_set
 
 SCENES = "12"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
-    assert cli.main(words(folder)) == 0
+    assert run_here(*words(folder)) == 0
     return contents(folder / "set")
 
 
-def words(folder, workers=1):
+def words(folder):
     path = write_set(folder, scenes=SCENES)
-    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", f"local:{workers}"]
+    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]
 
 
 def driver(folder, **options):
     """Start the command on two workers in a process, and a group, of its own."""
-    command = [sys.executable, "-m", "insonify", *words(folder, 2)]
+    command = [sys.executable, "-m", "insonify", *words(folder)]
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell lets its background commands ignore it
         options.setdefault("preexec_fn", lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     return subprocess.Popen(
@@ -80,7 +79,7 @@ def kill_and_go_on(folder, undisturbed, jobs):
     assert ended_workers(process)
     check_done(folder, undisturbed)
     done = done_jobs(folder / "set")
-    assert cli.main(words(folder)) == 0
+    assert run_here(*words(folder)) == 0
     assert done <= done_jobs(folder / "set")
     assert contents(folder / "set") == undisturbed
 
@@ -128,7 +127,7 @@ def test_a_run_that_is_killed_and_interrupted_keeps_what_is_done_and_goes_on(tmp
         check_done(tmp_path, undisturbed)
         assert done < done_jobs(tmp_path / "set")
         done = done_jobs(tmp_path / "set")
-    assert cli.main(words(tmp_path)) == 0
+    assert run_here(*words(tmp_path)) == 0
     assert done < done_jobs(tmp_path / "set")
     assert contents(tmp_path / "set") == undisturbed
 
@@ -144,7 +143,7 @@ def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
     assert complaint.count("\n") == 1
     assert f"{tmp_path / 'set'}: File too large; check the path, its permissions and the disk" in complaint
     check_done(tmp_path, undisturbed)
-    assert cli.main(words(tmp_path)) == 0
+    assert run_here(*words(tmp_path)) == 0
     assert contents(tmp_path / "set") == undisturbed
 
 
@@ -163,7 +162,7 @@ def test_a_disk_that_fills_up_loses_nothing(tmp_path, undisturbed, kilobytes):
         assert complaint.endswith("No space left on device; check the path, its permissions and the disk\n")
         check_done(tmp_path, undisturbed)
         subprocess.run([*mount[:3], "-o", "remount,size=64m", "tmpfs", str(tmp_path / "disk")], check=True)
-        assert cli.main(words(tmp_path)) == 0
+        assert run_here(*words(tmp_path)) == 0
         assert contents(tmp_path / "set") == undisturbed
     finally:
         subprocess.run(["umount", str(tmp_path / "disk")], check=True)

@@ -21,7 +21,7 @@ from insonify.surveys.lines.summary import measure_coverage, summarise
 from insonify.surveys.lines.work import SurveyLine, SurveyWork, join_lines, lay_lawnmower
 from insonify.surveys.mosaic import Mosaic
 from insonify.surveys.specification import read_specification
-from small_sets import SURVEY, contents, write_set
+from small_sets import SURVEY, contents, run_here, write_set
 
 SQUARE = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0)]
 BASE = load_scene("default")
@@ -157,18 +157,18 @@ def test_the_page_shows_text_of_a_specification_as_it_is(tmp_path):
 def test_a_survey_elsewhere_is_the_same_to_the_bit_and_can_be_moved(small, tmp_path):
     (tmp_path / "here").mkdir()
     path = write_set(tmp_path / "here", SURVEY)
-    words = ["survey", str(path), "-o", str(tmp_path / "here" / "another"), "--scheduler", "local:1"]
-    assert cli.main(words) == 0
+    words = ["survey", str(path), "-o", str(tmp_path / "here" / "another")]
+    assert run_here(*words) == 0
     before = contents(tmp_path / "here" / "another")
     assert before == contents(small)
     (tmp_path / "here").rename(tmp_path / "there")
     words = [word.replace("/here", "/there") for word in words]
-    assert cli.main(words) == 0
+    assert run_here(*words) == 0
     assert contents(tmp_path / "there" / "another") == before
     record = tmp_path / "there" / "another" / "records" / "line-0003.nc"
     record.unlink()
     next((tmp_path / "there" / "another" / "jobs").glob("*/0000002-*")).unlink()
-    assert cli.main(words) == 0
+    assert run_here(*words) == 0
     assert contents(tmp_path / "there" / "another") == before
     assert len(done_jobs(tmp_path / "there" / "another")) == 3
     scene = scene_from_toml(read_record(str(record)).attrs["scene"], source=record)
