@@ -19,8 +19,6 @@ from insonify_viewer.seabed.seabed_canvas import CLOSER
 from insonify_viewer.seabed.seabed_view import FARTHEST, NEAREST
 from insonify_viewer.state.inspection import Mark
 
-pytestmark = pytest.mark.usefixtures("drawn_seabed")
-
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
 YAWED = {"kind": "yaw", "amplitude": 20.0, "period": 1e5, "phase": 90.0}

@@ -72,6 +72,8 @@ def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_
     assert not view.automatic.isEnabled()
     assert viewer.session.modelling == Modelling()
     # The tolerance is final when it is let go.
+    viewer.open(small)
+    wait(viewer, qtbot)
     slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
     slider.setValue(1000)

@@ -104,9 +104,10 @@ def test_the_terms_add_up_to_the_pixel_and_the_parts_are_those_of_the_sweep(name
     assert heard > 20
 
 
+@pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize(
     ("name", "forced", "side", "pixels"),
-    [("raw-record", {}, 1, (150, 400, 800)), ("double-image", {"planes": "1"}, 0, (1520,))],
+    [("raw-record", {}, 1, (150, 400, 800)), ("double-image", {"planes": "1", "rays": "64000"}, 0, (1520,))],
     ids=["coherent speckle and endless ground", "folded refraction"],
 )
 def test_pixels_of_bundled_scenes_add_up(name, forced, side, pixels):
