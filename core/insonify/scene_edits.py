@@ -72,10 +72,6 @@ def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz, so that echoes from {reach:.4g} m can return"
 
 
-def _positive(value: Any) -> bool:
-    return isinstance(value, (int, float)) and math.isfinite(value) and value > 0
-
-
 def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Clear the depth when the altitude is set, and the altitude when the depth is set."""
     if "track.altitude" in changes and scene.track.depth is not None:
@@ -103,7 +99,7 @@ def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Lower the specular share when the diffuse one grows, or the other way round, so that their sum is at most 1."""
     for path, share in changes.items():
         owner, _, name = path.rpartition(".")
-        if name not in ("diffuse", "specular") or not _positive(share) or share > 1.0:
+        if name not in ("diffuse", "specular") or not isinstance(share, (int, float)) or not 0.0 < share <= 1.0:
             continue
         other = "specular" if name == "diffuse" else "diffuse"
         material = part_at(scene, owner)

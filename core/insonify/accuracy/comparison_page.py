@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions
-from insonify.display.page import PageCaption, caption_record
+from insonify.display.page import caption_record
 from insonify.display.picture import choose_contrast, colour_amplitudes
-from insonify.display.sheet import RecordSheet, gather_record_sheet
+from insonify.display.sheet import gather_record_sheet
 from insonify.display.style import BLUE, FAINT, INK, ORANGE, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.statistics.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
@@ -48,36 +47,24 @@ def draw_comparison(
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
-        _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look, levels))
-        place = left / WIDTH, (base + tall) / height, 1.0 / height
-        _headings(figure, place, caption_record(record, sheet.along, DisplayOptions()), found, HUES[number])
+        pixels = colour_amplitudes(sheet.amplitude, look, levels)
+        axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
+        axes.set_anchor("N")
+        label_axes(axes, "slant range (m)", "along track (m)", size=9)
+        axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
+        style_axes(axes, 8, framed=True, width=0.6)
+        caption, (middle, deep, slopes) = caption_record(record, sheet.along, DisplayOptions()), found.lines()
+        title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
+        for words, up, size, weight, colour in (
+            (title, 0.66, 13.0, "bold", HUES[number]),
+            (caption.line, 0.43, 8.5, "normal", FAINT),
+            (f"{middle}  ·  {deep}", 0.24, 8.5, "normal", INK),
+            (slopes, 0.08, 8.5, "normal", INK),
+        ):
+            place = left / WIDTH, (base + tall + up) / height
+            figure.text(*place, words, fontsize=size, fontweight=weight, color=colour, parse_math=False)
     _graphs(figure, height, measured)
     return figure
-
-
-def _picture(axes: Any, sheet: RecordSheet, pixels: NDArray[np.uint8]) -> None:
-    axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
-    axes.set_anchor("N")
-    label_axes(axes, "slant range (m)", "along track (m)", size=9)
-    axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
-    style_axes(axes, 8, framed=True, width=0.6)
-
-
-def _headings(
-    figure: Figure, place: tuple[float, float, float], caption: PageCaption, found: RecordStatistics, hue: str
-) -> None:
-    """Write title, caption and statistics above a picture."""
-    left, base, inch = place
-    title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
-    middle, deep, slopes = found.lines()
-    rows = (
-        (title, 0.66, 13.0, "bold", hue),
-        (caption.line, 0.43, 8.5, "normal", FAINT),
-        (f"{middle}  ·  {deep}", 0.24, 8.5, "normal", INK),
-        (slopes, 0.08, 8.5, "normal", INK),
-    )
-    for words, up, size, weight, colour in rows:
-        figure.text(left, base + up * inch, words, fontsize=size, fontweight=weight, color=colour, parse_math=False)
 
 
 def _graphs(figure: Figure, height: float, measured: tuple[RecordStatistics, RecordStatistics]) -> None:

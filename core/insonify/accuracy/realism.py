@@ -80,6 +80,9 @@ def read_images(folder: Path) -> Images:
 
 def compare_textures(first: Images, second: Images) -> Realism:
     """Compare two sets of images quantity by quantity, and by a classifier where scikit-learn is installed."""
+    # lazy: slow to import
+    from scipy.stats import ks_2samp
+
     measured = [[measure_texture(image) for image in images] for images in (first, second)]
     groups = {group: list(found) for group, found in measured[0][0].items()}
     tables = {
@@ -87,20 +90,12 @@ def compare_textures(first: Images, second: Images) -> Realism:
         for group, names in groups.items()
     }
     differences = [
-        Difference(name, (float(np.median(a[:, n])), float(np.median(b[:, n]))), _distance(a[:, n], b[:, n]))
-        for group, (a, b) in tables.items()
-        for n, name in enumerate(groups[group])
+        Difference(name, (float(np.median(a)), float(np.median(b))), float(ks_2samp(a, b, method="asymp").statistic))
+        for group, (one, other) in tables.items()
+        for name, a, b in zip(groups[group], one.T, other.T)
     ]
     differences.sort(key=lambda one: -one.distance)
     return Realism((len(first), len(second)), tuple(differences), tuple(_separations(tables)))
-
-
-def _distance(first: Floats, second: Floats) -> float:
-    """Largest difference of two empirical distributions."""
-    # lazy: slow to import
-    from scipy.stats import ks_2samp
-
-    return float(ks_2samp(first, second, method="asymp").statistic)
 
 
 def _separations(tables: dict[str, list[Floats]]) -> Iterator[Separation]:

@@ -25,12 +25,14 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         return half_width, plain_pattern()
     table, shaded = beam.tabulate(conditions), scene.sonar.vertical.shades
     energy = table.energy[:, [0, -1]] if np.ptp(table.energy) == 0.0 else table.energy  # a top-hat needs no more
+    # The integral of every row over the sine s from its start, by the trapezoidal rule.
+    steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * (2.0 * table.extent[:, None] / (energy.shape[1] - 1))
     return half_width, BeamPattern(
         tabulated=True,
         centre=math.sin(math.radians(beam.axis)),
         extent=table.extent,
         energy=energy,
-        integral=_integral(table.extent, energy),
+        integral=np.concatenate([np.zeros((len(energy), 1)), np.cumsum(steps, axis=1)], axis=1),
         first_range=table.first_range,
         per_octave=table.per_octave,
         vertical=SHAPES[vertical.shape],
@@ -46,13 +48,6 @@ def is_patterned(scene: Scene) -> bool:
     beam = scene.sonar.beam
     tilts = beam.has_width and any(motion.tilts for motion in scene.track.motions)
     return not beam.top_hat or beam.axis != 0.0 or tilts or scene.sonar.vertical.shades
-
-
-def _integral(extent: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integral of every row over the sine s from its start, by the trapezoidal rule."""
-    step = 2.0 * extent[:, None] / (energy.shape[1] - 1)
-    sums = np.cumsum(0.5 * (energy[:, 1:] + energy[:, :-1]) * step, axis=1)
-    return np.concatenate([np.zeros((extent.size, 1)), sums], axis=1)
 
 
 def vertical_energy(

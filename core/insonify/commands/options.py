@@ -122,7 +122,7 @@ def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
 
 def is_record(name: str) -> bool:
     """Whether a name is, by its suffix, the file of a record rather than a scene."""
-    return Path(name).suffix.lower() in (*RECORDS.readable(), *RECORDS.foreign())
+    return Path(name).suffix.lower() in (*RECORDS.readable(), *RECORDS.suffixes("converter"))
 
 
 def add_frequency(parser: argparse.ArgumentParser) -> None:
@@ -136,7 +136,7 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     """Load the scene, apply all settings, then validate."""
     if is_record(arguments.scene):
         name = arguments.scene
-        if Path(name).suffix.lower() in RECORDS.foreign():
+        if Path(name).suffix.lower() in RECORDS.suffixes("converter"):
             RECORDS.format_of(name)
         raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
@@ -171,7 +171,9 @@ def chosen_output(arguments: argparse.Namespace) -> Path:
 def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
     """Return the path of an output after checking that it can be written."""
     path, where = Path(name), f"{option} {name}"
-    if path.is_dir() and not _is_store(path):
+    # A folder may be replaced if it is a record that Zarr made, or an empty one.
+    of_records = path.suffix.lower() in RECORDS.suffixes("folder")
+    if path.is_dir() and not (of_records and ((path / "zarr.json").is_file() or not any(path.iterdir()))):
         raise SceneError(f"{where}: is a folder; give the name of a file in it")
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise SceneError(f"{where}: is a device, not a file; give another name")
@@ -212,11 +214,6 @@ def free_name(name: str) -> str:
     stem, suffix = os.path.splitext(name)
     numbered = (f"{stem}-{number}{suffix}" for number in count(2))
     return next(free for free in chain([name], numbered) if not os.path.lexists(free))
-
-
-def _is_store(path: Path) -> bool:
-    """Whether a folder is a record that may be replaced: one that Zarr made, or an empty one."""
-    return path.suffix.lower() in RECORDS.folders() and ((path / "zarr.json").is_file() or not any(path.iterdir()))
 
 
 def tracked(blocks: Iterator[Block], total: int, count: Callable[[Block], int], unit: str = "ping") -> Iterator[Block]:

@@ -50,7 +50,7 @@ def register(subparsers: Any) -> None:
         "--truth",
         action="store_true",
         help="label every bin (target, material, shadow, path), and give for every target the boxes of its echo and "
-        f"its shadow, its shadow length and its target strength ({', '.join(RECORDS.labelled())})",
+        f"its shadow, its shadow length and its target strength ({', '.join(RECORDS.suffixes('labelled'))})",
     )
     for option in RECORDS.options():
         default = f"{option.description} (default: {option.choices[0]})"
@@ -64,8 +64,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate a scene or read a record, and write the record or its picture."""
     path = options.chosen_output(arguments)
     look = _display_options(arguments, path)
-    if arguments.truth and path.suffix.lower() not in RECORDS.labelled():
-        labelled = ", ".join(RECORDS.labelled())
+    if arguments.truth and path.suffix.lower() not in RECORDS.suffixes("labelled"):
+        labelled = ", ".join(RECORDS.suffixes("labelled"))
         raise SceneError(
             f"--truth applies to {labelled}, not to {path.name}; leave it out or end the name in one of them"
         )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -93,8 +92,12 @@ def _scales(page: Image.Image, frame: Frame, sheet: RecordSheet, look: DisplayOp
     if look.bottom_line and look.water_column and not look.ground_range:
         downwards = (np.arange(sheet.pings) + 0.5) / sheet.pings
         upwards = downwards if look.newest_on_top else 1.0 - downwards
-        lines = [(sign * sheet.altitude - near) / (sheet.reach - near) for sign in ((-1.0, 1.0) if both else (1.0,))]
-        _overlay(page, frame, [list(zip(line.tolist(), upwards.tolist())) for line in lines])
+        fine = Image.new("L", (FINER * frame.width, FINER * frame.height))
+        for sign in (-1.0, 1.0) if both else (1.0,):
+            across = (sign * sheet.altitude - near) / (sheet.reach - near)
+            points = zip((across * fine.width).tolist(), ((1.0 - upwards) * fine.height).tolist())
+            ImageDraw.Draw(fine).line(list(points), fill=255, width=FINER, joint="curve")
+        page.paste(AMBER, (frame.left, frame.top), fine.reduce(FINER))
     kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
     _scale(page, frame, "below", ranges, f"{NAMES[kind]} (m)")
     metres = [(y / along, f"{y:g}") for y in _ticks(0.0, along, 9)] if sheet.along > 0.0 else []
@@ -144,15 +147,6 @@ def _scale(page: Image.Image, frame: Frame, side: str, ticks: Ticks, label: str,
 def _pixel(first: int, size: int, share: float) -> int:
     """Pixel at a share of a side, or of the frame at its ends."""
     return first + min(max(round(share * size - 0.5), -1), size)
-
-
-def _overlay(page: Image.Image, frame: Frame, lines: Iterable[list[tuple[float, float]]]) -> None:
-    """Draw oblique lines over a picture, through shares of its width and of its height from below."""
-    fine = Image.new("L", (FINER * frame.width, FINER * frame.height))
-    for line in lines:
-        points = [(x * fine.width, (1.0 - y) * fine.height) for x, y in line]
-        ImageDraw.Draw(fine).line(points, fill=255, width=FINER, joint="curve")
-    page.paste(AMBER, (frame.left, frame.top), fine.reduce(FINER))
 
 
 @cache

@@ -77,12 +77,20 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
-    done, axis = 0, None
+    done, axis, per_side = 0, None, columns // 2 if look.side == "both" else columns
     track = [np.empty((3, 0))]  # x, y and altitude of successive pings
     for block in blocks:
         axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
-        _add_rows(rows, counts, numbers // together, _columns(block, numbers, relative, columns, axis, look))
+        row = (numbers // together)[::-1]  # the oldest ping is in the last one
+        starts = np.flatnonzero(np.diff(row, prepend=row[0] + 1))
+        places = len(rows) - 1 - row[starts]
+        amplitude = relative(block.intensity, numbers)
+        factors = side_factors(look, amplitude.shape[-1])
+        edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
+        newest_first = mirror_channels(amplitude if factors is None else amplitude * factors, edges, look.side)
+        rows[places] += np.add.reduceat(newest_first, starts, axis=0)
+        counts[places, 0] += np.diff(starts, append=numbers.size)
         track.append(np.stack([block.x, block.y, block.altitude]))
         done += numbers.size
     rows /= np.maximum(counts, 1.0)
@@ -92,8 +100,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     across = 2.0 * reach if look.side == "both" else reach
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
     sheet = resample_rows(rows, height)
-    upwards = sheet if look.newest_on_top else sheet[::-1]
-    return RecordSheet(upwards, reach, along, done, altitude)
+    return RecordSheet(sheet if look.newest_on_top else sheet[::-1], reach, along, done, altitude)
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
@@ -141,27 +148,3 @@ def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
 def _bin_length(block: xr.Dataset) -> float:
     """Return the recorded slant range of a bin; its first centre lies at half of it."""
     return 2.0 * float(block["slant_range"].values[0])
-
-
-def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first: Record) -> None:
-    """Add the columns of successive pings to the rows that they share; the oldest ping is in the last row."""
-    upwards = row[::-1]
-    starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
-    places = len(rows) - 1 - upwards[starts]
-    rows[places] += np.add.reduceat(newest_first, starts, axis=0)
-    counts[places, 0] += np.diff(starts, append=row.size)
-
-
-def _columns(
-    block: SheetPings,
-    numbers: NDArray[np.int64],
-    relative: Relative,
-    columns: int,
-    axis: RangeAxis,
-    look: DisplayOptions,
-) -> NDArray[np.float32]:
-    per_side = columns // 2 if look.side == "both" else columns
-    edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
-    amplitude = relative(block.intensity, numbers)
-    factors = side_factors(look, amplitude.shape[-1])
-    return mirror_channels(amplitude if factors is None else amplitude * factors, edges, look.side)

@@ -63,12 +63,9 @@ def _stretches(
     named = tuple(
         (name_part(targets, int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
     )
-    return ends[of_bed & seen], ends[~seen], named, _horizons(parts.take(parts.state == BEHIND_BED))
-
-
-def _horizons(hidden: EchoParts) -> Points:
-    """Lines from crests to the ends of the bed that they hide."""
+    # Horizons go from crests to the ends of the bed that they hide.
+    hidden = parts.take(parts.state == BEHIND_BED)
     crests, which = np.unique(hidden.crest, axis=0, return_inverse=True)
-    ends = [hidden.end[which.ravel() == k] for k in range(len(crests))]
-    lines = [(crest, end[np.argmax(end[:, 0])]) for crest, end in zip(crests, ends)]
-    return np.array(lines).reshape(-1, 2, 2)
+    beyond = [hidden.end[which.ravel() == k] for k in range(len(crests))]
+    horizons = [(crest, end[np.argmax(end[:, 0])]) for crest, end in zip(crests, beyond)]
+    return ends[of_bed & seen], ends[~seen], named, np.array(horizons).reshape(-1, 2, 2)

@@ -23,7 +23,7 @@ from insonify.acoustics.bed_materials import find_material, misfit
 from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts, whole_window
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
-from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
+from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
@@ -280,7 +280,8 @@ def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> lis
     if not contributions:
         return []
     first, light = contributions[0], parts.arrays.law == LIGHT
-    normal = normal_strength(parts.arrays.reflectivity[first.row], light=light) if first.row >= 0 else 0.0
+    diffuse, specular, shininess = parts.arrays.reflectivity[first.row].tolist() if first.row >= 0 else (0.0, 0.0, 0.0)
+    normal = diffuse + specular if light else (diffuse + specular * (shininess + 2.0) / 2.0) / math.pi
     terms = echo_terms(first.parts, normal, light=light)
     material, frequency = find_material(parts.simulation.scene, first.row), parts.simulation.scene.sonar.frequency
     if material is not None and not light:
@@ -296,12 +297,6 @@ def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> lis
 def decibels(ratio: float) -> float:
     """Decibels of a ratio of powers; minus infinity for 0."""
     return 10.0 * math.log10(ratio) if ratio > 0.0 else SILENCE
-
-
-def normal_strength(reflectivity: Column, *, light: bool) -> float:
-    """Scattering strength of a material at normal incidence."""
-    diffuse, specular, shininess = (float(number) for number in reflectivity)
-    return diffuse + specular if light else (diffuse + specular * (shininess + 2.0) / 2.0) / math.pi
 
 
 def echo_terms(parts: EchoParts, normal: float, *, light: bool) -> list[Term]:
@@ -327,8 +322,10 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     gain = np.average(local.gain, weights=b_area)
     strength = echo / (b_area * local.gain).sum()
     incidence = math.degrees(math.acos(min(float(np.average(local.cosine, weights=local.value)), 1.0)))
+    azimuth = math.degrees(np.average(local.azimuth, weights=local.echo))
+    way = "athwart" if abs(azimuth) < 0.005 else f"{abs(azimuth):.2f}° towards the {'bow' if azimuth > 0 else 'stern'}"
     terms = [
-        Term("beam along the track", decibels(beam / by_vertical), _off_axis(local)),
+        Term("beam along the track", decibels(beam / by_vertical), way),
         Term(
             "beam vertically",
             decibels(by_vertical),
@@ -342,12 +339,6 @@ def _local_terms(parts: EchoParts, normal: float, light: bool) -> list[Term]:
     area = b_area.sum() / beam
     of_area = Term("share of the bin", decibels(area), f"{area:.3g} of beam and bin")
     return [*terms, of_area if light else Term("area", decibels(area), f"{area:.3g} m² in the pixel")]
-
-
-def _off_axis(parts: EchoParts) -> str:
-    """Direction of the echo from athwart, in words."""
-    azimuth = math.degrees(np.average(parts.azimuth, weights=parts.echo))
-    return "athwart" if abs(azimuth) < 0.005 else f"{abs(azimuth):.2f}° towards the {'bow' if azimuth > 0 else 'stern'}"
 
 
 def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int, pixel: int) -> list[Term]:
@@ -405,7 +396,12 @@ def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
         waves = bool(reception.sums_waves and reception.coherent)
         key = id(arrays.reflectivity), reception.coherent, waves
         if key not in kept:
-            kept[key] = _trace_ping(simulation, arrays, poses, coherent=reception.coherent, waves=waves)
+            # The mean energy of the scatterers where the receiver up to a stage is not coherent.
+            tracer, settings = simulation.tracer, simulation.plan.settings
+            call: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
+            if whole.coherent and not reception.coherent:
+                call = sweep.trace
+            kept[key] = simulation.tiles.map(lambda tile, some: (call(tile, some, **settings),), arrays, poses)[0]
         return kept[key].copy()
 
     records = []
@@ -417,12 +413,3 @@ def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
         last = whole.stages[count - 1] if count else None
         records.append(ReceiverStage(last.name, last.detail, record) if last else ReceiverStage("", "", record))
     return records
-
-
-def _trace_ping(simulation: Simulation, arrays: SceneArrays, poses: Poses, *, coherent: bool, waves: bool) -> Traced:
-    """Trace one ping, for the mean energy of the scatterers where the receiver up to a stage is not coherent."""
-    tracer, settings = simulation.tracer, simulation.plan.settings
-    trace: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
-    if simulation.reception.coherent and not coherent:
-        trace = sweep.trace
-    return simulation.tiles.map(lambda tile, some: (trace(tile, some, **settings),), arrays, poses)[0]

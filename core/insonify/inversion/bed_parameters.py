@@ -54,10 +54,14 @@ def set_bed(scene: Scene, bed: BedParameters) -> Scene:
     """Give a scene a bed and speckle of some parameters, on a grid as fine as the record resolves."""
     period, spacing = choose_grid(scene)
     values = plain(scene)
+    relief: dict[str, Any] = {"kind": "flat"}
+    if bed.relief is not None and (rms := realised_rms(bed.relief, period, spacing)) >= LEAST_RMS:
+        beta, rms = _rounded(bed.relief.exponent), _rounded(rms)
+        relief = {"kind": "fractal", "beta": beta, "rms": rms, "period": period}
     seabed = {
         "depth": scene.seabed.depth,
         "spacing": spacing,
-        "relief": _relief(bed, period, spacing),
+        "relief": relief,
         "material": _material(bed, period, spacing, scene.sonar.scattering_frequency),
     }
     speckle = choose_speckle(bed.speckle).model_dump(mode="json", exclude_none=True)
@@ -98,14 +102,6 @@ def slope_above(scene: Scene, shortest: float) -> float:
     power[half - 1, half - 1] = 0.0
     steep = (2.0 * np.pi / relief.period * x) ** 2 * (np.hypot(x, y) <= relief.period / shortest)
     return relief.rms * math.sqrt(float((power * steep).sum()) / float(power.sum()))
-
-
-def _relief(bed: BedParameters, period: float, spacing: float) -> dict[str, Any]:
-    """Fractal or level relief as plain values."""
-    rms = 0.0 if bed.relief is None else realised_rms(bed.relief, period, spacing)
-    if bed.relief is None or rms < LEAST_RMS:
-        return {"kind": "flat"}
-    return {"kind": "fractal", "beta": _rounded(bed.relief.exponent), "rms": _rounded(rms), "period": period}
 
 
 def _material(bed: BedParameters, period: float, spacing: float, frequency: float | None) -> dict[str, Any]:

@@ -157,8 +157,14 @@ class Matching:
             return replace(candidate, bed=candidate.bed.scaled(step * level_difference(self._recorded, simulated)))
         vertical = candidate.vertical
         if vertical is not None:
-            vertical = correct_beam(vertical, self._recorded, simulated, self._scene.sonar.beam.passes)
-        gains = correct_gains(candidate.gains, self._recorded, simulated)
+            angles, wanted = self._recorded.level.angles, self._recorded.level.by_angle
+            own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
+            vertical = _added(vertical, angles, (wanted - own) / self._scene.sonar.beam.passes)
+        # Gains by bin, with which the record has the level of the recorded one at every slant range.
+        ratio = _ratio(self._recorded, simulated)
+        first = int(np.searchsorted(self._recorded.slant_range, self._recorded.altitude.min()))
+        places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
+        gains = _added(candidate.gains, places.astype(np.float64), ratio[places])
         return replace(candidate, gains=gains, vertical=vertical)
 
     def _has_patches(self, gain: float, simulated: SegmentSpectra) -> bool:
@@ -200,21 +206,6 @@ def level_difference(recorded: SoundedBed, simulated: SoundedBed) -> float:
     altitude, r = float(recorded.altitude.mean()), recorded.slant_range
     near = (r >= min(FROM * altitude, 0.9 * float(r[-1]))) & (r <= TO * altitude)
     return float(np.median(_ratio(recorded, simulated)[near]))
-
-
-def correct_gains(gains: Pairs, recorded: SoundedBed, simulated: SoundedBed) -> Pairs:
-    """Gains in dB by bin, changed until a simulated record has the level of a recorded one at every slant range."""
-    ratio = _ratio(recorded, simulated)
-    first = int(np.searchsorted(recorded.slant_range, recorded.altitude.min()))
-    places = np.unique(np.linspace(min(first, ratio.size - 1), ratio.size - 1, GAIN_KNOTS).astype(np.int64))
-    return _added(gains, places.astype(np.float64), ratio[places])
-
-
-def correct_beam(levels: Pairs, recorded: SoundedBed, simulated: SoundedBed, passes: int) -> Pairs:
-    """One-way levels in dB of a vertical beam by the angle below the horizontal, corrected in the same way."""
-    angles = recorded.level.angles
-    own = np.interp(angles, simulated.level.angles, simulated.level.by_angle)
-    return _added(levels, angles, (recorded.level.by_angle - own) / passes)
 
 
 def _added(pairs: Pairs, places: NDArray[np.float64], more: NDArray[np.float64]) -> Pairs:
@@ -300,7 +291,8 @@ def learn(
     SceneError
         If the record shows too little bed, or a field is given that is learned.
     """
-    record = _middle(record)
+    first = max(record.sizes["ping_time"] - LONGEST, 0) // 2
+    record = record.isel(ping_time=slice(first, first + LONGEST))  # the middle of a long record
     sonar = declare_sonar(record, changes or {})
     bed = sound_bed(record, sonar.altitude, separate=not sonar.simulated)
     spectra = measure_segment_spectra(bed)
@@ -311,13 +303,6 @@ def learn(
     title = f"Learned from {str(record.attrs.get('title', '')) or 'a record'}"[:200]
     learned = edit(candidate.set_on(sonar.scene), {"title": title, "description": DESCRIPTION})
     return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
-
-
-def _middle(record: xr.Dataset) -> xr.Dataset:
-    """Cut a long record to the pings in its middle."""
-    pings = record.sizes["ping_time"]
-    first = max(pings - LONGEST, 0) // 2
-    return record.isel(ping_time=slice(first, first + LONGEST))
 
 
 def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpectra) -> RecordedSonar:

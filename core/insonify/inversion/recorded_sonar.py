@@ -1,5 +1,6 @@
 """Sonar and track of a record, from its declarations, from its echoes, and by assumptions."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -102,15 +103,19 @@ def _declared(record: xr.Dataset, altitude: Column) -> tuple[dict[str, Any], lis
         "ping_rate": rate,
         "beam": {"kind": "gaussian", "width": beam} if beam > 0.0 else ASSUMED_BEAM,
     } | ({"frequency": frequency} if frequency > 0.0 else {})
+    x, y = record["platform_x"].values, record["platform_y"].values
     track = {
         "altitude": float(np.mean(altitude)),
         "speed": speed,
         "pings": record.sizes["ping_time"],
-        "heading": _course(record),
+        "heading": round(float(np.degrees(np.arctan2(y[-1] - y[0], x[-1] - x[0]))), 2),
     }
     water = {"kind": "uniform", "sound_speed": speed_of_sound}
-    depth = {"depth": _depth(record, altitude)}
-    return {"sonar": sonar, "track": track, "water": water, "seabed": depth}, ["sonar.pulse", *assumed]
+    # Deep enough for the altitude if the record has no depth.
+    least = 1.05 * float(altitude.max()) + 1.0
+    depth = float(np.mean(record["platform_depth"].values + altitude)) if "platform_depth" in record else math.nan
+    bed = {"depth": max(depth, least) if math.isfinite(depth) else least}
+    return {"sonar": sonar, "track": track, "water": water, "seabed": bed}, ["sonar.pulse", *assumed]
 
 
 def _advance(record: xr.Dataset, fastest: float) -> tuple[float, float, list[str]]:
@@ -123,20 +128,6 @@ def _advance(record: xr.Dataset, fastest: float) -> tuple[float, float, list[str
     rate = min(count / lasts if timed else ASSUMED_RATE, fastest * (1.0 - 1e-9))
     speed = float(np.clip(length / max(count, 1) * rate, 1e-3, 50.0))
     return rate, speed, [] if timed else ["sonar.ping_rate"]
-
-
-def _course(record: xr.Dataset) -> float:
-    """Direction from the first ping to the last, in degrees."""
-    x, y = record["platform_x"].values, record["platform_y"].values
-    return round(float(np.degrees(np.arctan2(y[-1] - y[0], x[-1] - x[0]))), 2)
-
-
-def _depth(record: xr.Dataset, altitude: Column) -> float:
-    """Depth of the water, in metres; deep enough for the altitude if the record has no depth."""
-    below = record["platform_depth"].values if "platform_depth" in record else np.full(altitude.shape, np.nan)
-    depth = float(np.mean(below + altitude))
-    least = 1.05 * float(altitude.max()) + 1.0
-    return max(depth, least) if np.isfinite(depth) else least
 
 
 def _navigation(record: xr.Dataset, altitude: Column, scene: Scene) -> dict[str, Column] | None:

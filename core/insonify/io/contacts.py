@@ -63,8 +63,13 @@ def write_contacts(path: Path, contacts: Iterable[Contact]) -> None:
     if path.suffix.lower() == CSV:
         text = _as_csv(contacts)
     else:
-        collection = {"type": "FeatureCollection", "features": [_feature(contact) for contact in contacts]}
-        text = json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
+        features = []
+        for contact in contacts:
+            known = contact.longitude is not None and contact.latitude is not None
+            place = {"type": "Point", "coordinates": [contact.longitude, contact.latitude]} if known else None
+            properties = asdict(contact) | {"snapshot": base64.b64encode(contact.snapshot).decode("ascii")}
+            features.append({"type": "Feature", "geometry": place, "properties": properties})
+        text = json.dumps({"type": "FeatureCollection", "features": features}, indent=1, ensure_ascii=False) + "\n"
     write_text(path, text)
 
 
@@ -105,13 +110,6 @@ def _as_csv(contacts: Iterable[Contact]) -> str:
         # A spreadsheet takes what follows an apostrophe as text.
         writer.writerow(cells | {name: f"'{cells[name]}" for name in TEXTS if cells[name].startswith(FORMULA)})
     return text.getvalue()
-
-
-def _feature(contact: Contact) -> dict[str, Any]:
-    known = contact.longitude is not None and contact.latitude is not None
-    place = {"type": "Point", "coordinates": [contact.longitude, contact.latitude]} if known else None
-    properties = asdict(contact) | {"snapshot": base64.b64encode(contact.snapshot).decode("ascii")}
-    return {"type": "Feature", "geometry": place, "properties": properties}
 
 
 def _rows_of_csv(text: str) -> list[dict[str, Any]]:

@@ -70,23 +70,15 @@ class FormatRegistry(Generic[Content]):
 
     def readable(self) -> tuple[str, ...]:
         """Suffixes of the formats that can be read."""
-        return tuple(suffix for each in self.formats() if each.read for suffix in each.suffixes)
+        return self.suffixes("read")
 
     def writable(self) -> tuple[str, ...]:
         """Suffixes of the formats that can be written."""
-        return tuple(suffix for each in self.formats() if each.write for suffix in each.suffixes)
+        return self.suffixes("write")
 
-    def folders(self) -> tuple[str, ...]:
-        """Suffixes of the formats with folders as files."""
-        return tuple(suffix for each in self.formats() if each.folder for suffix in each.suffixes)
-
-    def labelled(self) -> tuple[str, ...]:
-        """Suffixes of the formats that store the labels of a record."""
-        return tuple(suffix for each in self.formats() if each.labelled for suffix in each.suffixes)
-
-    def foreign(self) -> tuple[str, ...]:
-        """Suffixes of the formats that are known by name alone and need a converter."""
-        return tuple(suffix for each in self.formats() if each.converter for suffix in each.suffixes)
+    def suffixes(self, trait: str) -> tuple[str, ...]:
+        """Suffixes of the formats that have a trait: ``read``, ``write``, ``folder``, ``labelled`` or ``converter``."""
+        return tuple(suffix for each in self.formats() if getattr(each, trait) for suffix in each.suffixes)
 
     def describe(self, suffixes: Iterable[str]) -> str:
         """List suffixes with the names of their formats, for help texts: ``.nc (netCDF), .npz (NumPy arrays)``."""

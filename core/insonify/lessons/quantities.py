@@ -81,18 +81,13 @@ def _edges(scene: Scene) -> NDArray[np.float64]:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
 
-def _abreast(scene: Scene, record: xr.Dataset) -> NDArray[np.float64]:
-    """Intensity over slant range of the ping abreast of the first target, on its side."""
+def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
+    """Slant ranges between which the longest stretch without echo behind the first return lies."""
+    # Of the ping abreast of the first target, on its side.
     across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
     ping = round((along - scene.track.start[0]) / _ping_spacing(scene))
     side = SIDES[0] if across > 0.0 else SIDES[1]
-    intensity: NDArray[np.float64] = record.intensity.isel(ping_time=ping).sel(channel=side).to_numpy()
-    return intensity
-
-
-def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
-    """Slant ranges between which the longest stretch without echo behind the first return lies."""
-    edges, intensity = _edges(scene), _abreast(scene, record)
+    edges, intensity = _edges(scene), record.intensity.isel(ping_time=ping).sel(channel=side).to_numpy()
     dark = np.flatnonzero(np.diff(np.concatenate([[1], (intensity > 0.0).astype(int), [1]])))
     starts, ends = dark[::2], dark[1::2]
     longest = int(np.argmax(np.where(edges[starts] > scene.altitude, ends - starts, 0)))

@@ -67,14 +67,11 @@ class Worksheet:
             answer = self.answers.get(index)
             if answer is not None:
                 lines += ["", f"- **Answer**: {answer.text}", f"- **Verdict**: {answer.verdict.words}"]
-                lines += [f"- `{path}` = {_shown(value)}" for path, value in answer.settings]
+                for path, value in answer.settings:
+                    lines.append(f"- `{path}` = {f'{value:.6g}' if isinstance(value, float) else value}")
             elif step.ask is not None:
                 lines += ["", "- **Answer**: none"]
             if index in pictures:
                 lines += ["", f"![Record after step {index + 1}]({pictures[index].name})"]
             lines += ["", f"**Why**: {step.answer}"]
         return "\n".join(lines) + "\n"
-
-
-def _shown(value: Value) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -80,11 +80,18 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     beneath = float(np.nan_to_num(optical.ground.height_at(lamp[:1], lamp[1:2])[0]))
     points = _target_points(arrays.solids, arrays.mesh)
     if len(points):
-        sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
+        # Shadows of the points on a level bed, within the range of the sonar.
+        risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
+        tips = lamp + (points - lamp) / (1.0 - risen)
+        sides = np.vstack([lamp, points, tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]]) @ axes[:2].T
     else:
         swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
         sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
-    low, high = _rectangle(sides)
+    low, high = sides.min(axis=0), sides.max(axis=0)
+    longer = float((high - low).max())
+    # With a margin and a least width.
+    half, middle = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer), 0.5 * (low + high)
+    low, high = middle - half, middle + half
     heights = _heights(optical.ground, axes, low, high)
     longer = float((high - low).max())
     bottom, bed, top = heights[0] - THICK * longer, heights[1], max(heights[1], lamp[2], *points[:, 2])
@@ -116,28 +123,12 @@ def _ahead(heading: float) -> Vectors:
     return np.array([math.cos(heading), math.sin(heading), 0.0])
 
 
-def _rectangle(sides: Vectors) -> tuple[Vectors, Vectors]:
-    """Bounds of points along and across the track, with a margin and a least width."""
-    low, high = sides.min(axis=0), sides.max(axis=0)
-    longer = float((high - low).max())
-    half = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer)
-    middle = 0.5 * (low + high)
-    return middle - half, middle + half
-
-
 def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
     """Outermost points of the targets, (n, 3)."""
     ends = np.concatenate([solids.start, solids.start + solids.length[:, None] * solids.axis])
     wide = np.tile(np.maximum(solids.radius, solids.radius + solids.taper * solids.length), 2)[:, None]
     around = [ends + wide * way for way in (*np.eye(3), *-np.eye(3))]
     return np.concatenate([*around, mesh.corners.reshape(-1, 3)])
-
-
-def _shadow_tips(points: Vectors, lamp: Vectors, beneath: float, reach: float) -> Vectors:
-    """Shadows of points on a level bed, within the range of the sonar."""
-    risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
-    tips = lamp + (points - lamp) / (1.0 - risen)
-    return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
 def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,6 @@ from insonify.parallel import in_parallel
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.scene.targets.shape import ball, frustum
 from insonify.tracers.rays import PathHits, cast, follow
-
-if TYPE_CHECKING:
-    from insonify.scene import Scene
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 Shares = Sequence[tuple[str, float]]
@@ -110,13 +107,17 @@ class LightRenderer:
 
     def light_along(self, place: Vectors, ways: Vectors) -> Vectors:
         """Trace rays from the eye and return the light that arrives along them."""
-        seen = np.concatenate([np.zeros(ways.shape), _water(ways)], axis=1)
+        up = np.clip((ways[:, 2:] - STEEP) / (SLIGHT - STEEP), 0.0, 1.0)
+        seen = np.concatenate([np.zeros(ways.shape), DEEP + up * (CLEAR - DEEP)], axis=1)  # the water
         enter, leave, face = self._cutaway.intersect(place, ways)
         inside = np.flatnonzero(leave > enter)
         starts = place + enter[inside, None] * ways[inside]
         cut = starts[:, 2] < self._ground.height_at(starts[:, 0], starts[:, 1])
         sides, through = inside[cut], inside[~cut]
-        seen[sides] = self._cut(starts[cut], face[sides])
+        # The sides of the cutaway.
+        rows = material_rows(self._arrays, starts[cut], np.full(sides.size, BED), self._of_bed)
+        seen[sides, :3] = (self._arrays.reflectivity[rows, 0] * CUT[face[sides]])[:, None] * self._hues[rows]
+        seen[sides, 3:] = 0.0
         found = find_optical_hits(self._shown, starts[~cut], ways[through], (leave - enter)[through], self._of_bed)
         ray = through[found.ray]
         seen[ray] = 0.0
@@ -143,12 +144,6 @@ class LightRenderer:
         facing = -np.einsum("ij,ij->i", found.normal, found.way)[:, None]
         is_fish = (rows == len(self._hues))[:, None]
         return np.concatenate([np.where(is_fish, 0.0, lit), np.where(is_fish, FISH * facing, 0.0)], axis=1)
-
-    def _cut(self, where: Vectors, face: NDArray[np.int64]) -> Vectors:
-        """Light of the sides of the cutaway, (n, 6)."""
-        rows = material_rows(self._arrays, where, np.full(len(where), BED), self._of_bed)
-        lit = (self._arrays.reflectivity[rows, 0] * CUT[face])[:, None] * self._hues[rows]
-        return np.concatenate([lit, np.zeros(lit.shape)], axis=1)
 
 
 def find_optical_hits(
@@ -215,12 +210,6 @@ def material_rows(arrays: SceneArrays, where: Vectors, what: NDArray[np.int64], 
     return np.where(what < 0, bed.materials[j, i], of_bed + what)
 
 
-def _water(ways: Vectors) -> Vectors:
-    """Colour of the water along rays that hit nothing, (n, 3)."""
-    up = np.clip((ways[:, 2:] - STEEP) / (SLIGHT - STEEP), 0.0, 1.0)
-    return np.asarray(DEEP + up * (CLEAR - DEEP))
-
-
 def tone_mapped(seen: Vectors) -> NDArray[np.uint8]:
     """Tone-map the light of lit surfaces and add the water, giving 8-bit colours."""
     light, given = seen[..., :3], seen[..., 3:]
@@ -268,7 +257,10 @@ def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:
     figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
     FigureCanvasAgg(figure)
     figure.figimage(image)
-    words = ((optical.scene.title, 44, 15, "bold", INK), (_line(optical.scene, cutaway), 68, 10, "normal", FAINT))
+    scene, (along, across, _) = optical.scene, cutaway.high - cutaway.low
+    where = f"{scene.altitude:g} m above the bed" if scene.track.depth is None else f"{scene.track.depth:g} m deep"
+    line = f"lamp at the sonar, {where}  ·  {along:.0f} m along the track, {across:.0f} m across"
+    words = ((scene.title, 44, 15, "bold", INK), (line, 68, 10, "normal", FAINT))
     for text, down, size, weight, ink in words:
         figure.text(
             INSET / width, 1.0 - down / height, text, fontsize=size, fontweight=weight, color=ink, parse_math=False
@@ -277,10 +269,3 @@ def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
         figure.savefig(beside, dpi=DPI)
     return width, height
-
-
-def _line(scene: Scene, cutaway: Cutaway) -> str:
-    """Caption: where the lamp is, and how much of the scene is shown."""
-    along, across = (cutaway.high - cutaway.low)[:2]
-    where = f"{scene.altitude:g} m above the bed" if scene.track.depth is None else f"{scene.track.depth:g} m deep"
-    return f"lamp at the sonar, {where}  ·  {along:.0f} m along the track, {across:.0f} m across"

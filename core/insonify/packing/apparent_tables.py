@@ -37,7 +37,11 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
         return no_apparent_tables(), np.ones(poses.z.size, np.bool_)
     height, speed = _extend_below_bed(arrays)
     stretch = max(float(speed[height >= arrays.bed.low].max()) / arrays.water.reference, 1.0)
-    extent = _extent_of(arrays, stretch)
+    # From the lowest bed to the highest body, and out to the record's range.
+    first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
+    last = math.ceil(min(highest_place(arrays) + SECANT, arrays.water.surface) / ROW_STEP)
+    columns = math.ceil(arrays.bins * arrays.bin_length * stretch / COLUMN_STEP) + 2
+    extent = _Extent(first, max(last - first, 1) + 1, columns, arrays.water.surface, arrays.water.reference)
     if extent.rows * extent.columns > MOST_PLACES:
         return no_apparent_tables(), np.ones(poses.z.size, np.bool_)
     below = np.floor(poses.z / SONAR_STEP).astype(np.int64)
@@ -72,15 +76,6 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
     rate = (speed[1] - speed[0]) / (height[1] - height[0])
     deepest = speed[0] - min(rate, 0.0) * deep  # where sound slows downwards rays do not come back
     return np.concatenate([[low - deep], height]), np.concatenate([[deepest], speed])
-
-
-def _extent_of(arrays: SceneArrays, stretch: float) -> _Extent:
-    """Extent of a table: from the lowest bed to the highest body, and out to the record's range."""
-    first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
-    last = math.ceil(min(highest_place(arrays) + SECANT, arrays.water.surface) / ROW_STEP)
-    reach = arrays.bins * arrays.bin_length * stretch
-    columns = math.ceil(reach / COLUMN_STEP) + 2
-    return _Extent(first, max(last - first, 1) + 1, columns, arrays.water.surface, arrays.water.reference)
 
 
 @keep_arrays

@@ -36,11 +36,15 @@ def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
     edges = corners[:, 1:] - corners[:, :1]
     sides = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1, initial=0.0)
+    # The patches of each target are numbered from 0.
+    order = np.argsort(target, kind="stable")
+    number = np.empty(target.size, np.int64)
+    number[order] = np.arange(target.size) - np.searchsorted(target[order], target[order])
     return SurfacePatches(
         kind=np.concatenate([np.array([belt.kind for belt in belts], np.int64), np.full(m, FACE)]),
         body=np.concatenate([body, triangle]),
         target=target,
-        number=_numbers_within(target),
+        number=number,
         low=np.concatenate([[belt.low for belt in belts], np.zeros(m)]),
         high=np.concatenate([[belt.high for belt in belts], np.zeros(m)]),
         corners=np.concatenate([np.zeros((n, 3, 3)), corners]),
@@ -91,12 +95,3 @@ def _small_triangles(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64],
         corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
         whole = np.concatenate([whole, whole])
     return np.concatenate(done), np.concatenate(rows)
-
-
-def _numbers_within(target: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Count the patches of each target from 0."""
-    order = np.argsort(target, kind="stable")
-    first = np.searchsorted(target[order], target[order])
-    numbers = np.empty(target.size, np.int64)
-    numbers[order] = np.arange(target.size) - first
-    return numbers

@@ -1,6 +1,6 @@
 """Solids and triangles of all targets in world coordinates, as arrays for the kernels."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +17,16 @@ from insonify.terrain import AnyGround
 
 def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Reflectivity]]:
     """Pose every target; its material joins the table of the ground's."""
-    shapes = list(_placed(scene, ground))
+    shapes = []
+    for number, declared in enumerate(scene.targets):
+        with located(f"targets.{number}"):
+            shapes.append(declared.placed(ground))
     frequency = scene.sonar.scattering_frequency
-    materials = [target.material.reflectivity_at(frequency) for target in scene.targets]
+    materials = [declared.material.reflectivity_at(frequency) for declared in scene.targets]
     before = len(ground.reflectivities)
     target = _numbers([len(shape.solids) for shape in shapes])
     solids = pack_solids([solid for shape in shapes for solid in shape.solids], before + target, target)
     return solids, _mesh(shapes, before), [*ground.reflectivities, *materials]
-
-
-def _placed(scene: Scene, ground: AnyGround) -> Iterator[Shape]:
-    """Shape of every target in world coordinates."""
-    for number, target in enumerate(scene.targets):
-        with located(f"targets.{number}"):
-            shape = target.placed(ground)
-        yield shape
 
 
 def pack_solids(rows: Sequence[Solid], material: NDArray[np.int64], target: NDArray[np.int64]) -> Solids:

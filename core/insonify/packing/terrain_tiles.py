@@ -86,13 +86,22 @@ class _WindowBeds:
             if (row, column) in self._beds:
                 self._beds.move_to_end((row, column))
                 return self._beds[row, column]
-            near = self._nearest(row, column)
+            # The kept window that shares the most ground with this one, if there is one.
+            place = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
+            near = None
+            if place is not None:
+                near = StoredWindow(*place, self._beds[place].heights, self._beds[place].materials)
             while len(self._beds) >= self._room:  # before the new one takes memory
                 self._beds.popitem(last=False)
         made = make_bed(self._ground.window(row, column, MARGIN * self._reach, near))
         with self._lock:
             self._beds[row, column] = made
-        _keep_within(LARGEST, self)
+        # Beds of the grounds that were used least recently are dropped until all together are small enough.
+        with _SHARING:
+            grounds = sorted(_SHARED.values(), key=lambda beds: beds.used, reverse=True)
+        limit = LARGEST
+        for beds in grounds:
+            limit -= beds.shrink(limit, least=1 if beds is self else 0)
         return made
 
     def shrink(self, limit: int, least: int = 0) -> int:
@@ -103,13 +112,6 @@ class _WindowBeds:
                 self._beds.popitem(last=False)
                 del sizes[0]
             return sum(sizes)
-
-    def _nearest(self, row: int, column: int) -> StoredWindow | None:
-        """Kept window that shares the most ground with another, if there is one."""
-        places = min(self._beds, key=lambda place: abs(place[0] - row) + abs(place[1] - column), default=None)
-        if places is None:
-            return None
-        return StoredWindow(*places, self._beds[places].heights, self._beds[places].materials)
 
 
 def _beds_of(ground: EndlessGround, reach: float) -> _WindowBeds:
@@ -128,14 +130,6 @@ def drop_windows() -> None:
         grounds = list(_SHARED.values())
     for beds in grounds:
         beds.shrink(0)
-
-
-def _keep_within(limit: int, newest: _WindowBeds) -> None:
-    """Drop beds of the grounds that were used least recently until all together take no more than some bytes."""
-    with _SHARING:
-        grounds = sorted(_SHARED.values(), key=lambda beds: beds.used, reverse=True)
-    for beds in grounds:
-        limit -= beds.shrink(limit, least=1 if beds is newest else 0)
 
 
 def _join(places: NDArray[np.int64], columns: Sequence[Column]) -> Column:

@@ -92,7 +92,9 @@ class Plan:
                 continue
             rows.append(f"{title:<{wide - ERROR - COST}}{'error':>{ERROR}}{'cost':>{COST}}")
             for entry in entries:
-                rows += _row(entry, wide)
+                name = f"  {entry.choice}{' (forced)' if entry.forced else ''}"
+                rows.append(f"{name:<{wide - ERROR - COST}}{_share(entry.error):>{ERROR}}{_time(entry.cost):>{COST}}")
+                rows += textwrap.wrap(entry.reason, wide, initial_indent="    ", subsequent_indent="    ")
             rows.append("")
         rows.append(f"{'Total':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
         rows += textwrap.wrap("per ping, both sides, one thread", wide, initial_indent="  ")
@@ -100,13 +102,6 @@ class Plan:
             rows.append(f"{'From the first return':<{wide - ERROR - COST}}{_share(self.near_error):>{ERROR}}")
             rows += textwrap.wrap(NEAR, wide, initial_indent="  ", subsequent_indent="  ")
         return "\n".join(rows)
-
-
-def _row(entry: PlanEntry, wide: int) -> list[str]:
-    """Lines of one entry: choice, error and cost, then the reason."""
-    name = f"  {entry.choice}{' (forced)' if entry.forced else ''}"
-    head = f"{name:<{wide - ERROR - COST}}{_share(entry.error):>{ERROR}}{_time(entry.cost):>{COST}}"
-    return [head, *textwrap.wrap(entry.reason, wide, initial_indent="    ", subsequent_indent="    ")]
 
 
 def percent(error: float) -> str:

@@ -147,15 +147,13 @@ class Probe:
         if kind not in self._timed:
             alike = [other for other in self._traced if (other.method, other.bent) == kind and self.affords(other)]
             timed = model if self.affords(model) or not alike else max(alike, key=self.work)
-            self._timed[kind] = self._seconds_over_track(timed) / self.work(timed)
+            # Of a ping over the track, of which few meet targets. A call for one ping takes as long besides the ping
+            # itself as one for many.
+            pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(timed)), 2)]
+            one, many = (self._time(self._packed, timed, pings[:count]) for count in (1, pings.size))
+            seconds = (many - one) / (pings.size - 1) if pings.size > 1 and many > one else many / pings.size
+            self._timed[kind] = seconds / self.work(timed)
         return self._timed[kind] * self.work(model)
-
-    def _seconds_over_track(self, model: Model) -> float:
-        """Seconds of a ping over the track, of which few meet targets."""
-        pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(model)), 2)]
-        # A call for one ping takes as long besides the ping itself as one for many.
-        one, many = (self._time(self._packed, model, pings[:count]) for count in (1, pings.size))
-        return (many - one) / (pings.size - 1) if pings.size > 1 and many > one else many / pings.size
 
     def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
         """Seconds of the first ping by a model of another scene with the same track."""
@@ -176,17 +174,15 @@ class Probe:
         pings = np.array(of or range(min(count, self._is_across.size)))
         if model in self._traced and self._traced[model].shape[0] > pings.max():
             return self._traced[model][pings]
-        made = self._made(model, pings)
-        if not of:
-            self._traced[model] = made
-        return made
 
-    def _made(self, model: Model, pings: NDArray[np.int64]) -> Record:
         def block(first: int, last: int) -> Record:
             return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
 
         parts = in_parallel(block, pings.size, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
-        return np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
+        made = np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
+        if not of:
+            self._traced[model] = made
+        return made
 
 
 def _without_surface_echo(*models: Model) -> tuple[Model, ...]:

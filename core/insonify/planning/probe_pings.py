@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import Poses
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 from insonify.tow.line import tow_line_at
@@ -58,7 +57,11 @@ def choose_probe_pings(
         spread = _spread_over_bed(scene, ground, scene.track.pings)
     if scene.track.motions:
         many = spread_over_track(scene, EXCURSIONS)
-        spread = np.union1d(spread, _excursions(make_poses(scene, ground, many), many))
+        # The lowest and highest sonar, and the greatest pitch, roll and yaw about their means.
+        poses = make_poses(scene, ground, many)
+        columns = (poses.z, -poses.z, *(np.abs(column - column.mean()) for column in poses[3:]))
+        greatest = [int(np.argmax(column)) for column in columns if np.ptp(column) > 0.0]
+        spread = np.union1d(spread, many[greatest])
     return ProbePings(spread, _across(scene, targets, half_width))
 
 
@@ -97,12 +100,6 @@ def _is_over_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bo
     away = np.linspace(-scene.sonar.range, scene.sonar.range, ACROSS_SWATH)
     heights = ground.height_at(line.x - away * np.sin(line.heading), line.y + away * np.cos(line.heading))
     return np.asarray(np.isfinite(heights).any(axis=1))
-
-
-def _excursions(poses: Poses, pings: Pings) -> Pings:
-    """Pings of the lowest and highest sonar and of the greatest pitch, roll and yaw about their means."""
-    columns = (poses.z, -poses.z, *(np.abs(column - column.mean()) for column in poses[3:]))
-    return np.array([pings[int(np.argmax(column))] for column in columns if np.ptp(column) > 0.0], dtype=np.int64)
 
 
 def _across(scene: Scene, targets: tuple[int, ...], half_width: float) -> Pings:

@@ -26,14 +26,13 @@ def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
         return tuple(range(len(scene.targets)))
     strayed = sum(motion.greatest_sway for motion in track.motions)
     reach = FARTHER * scene.sonar.range + strayed
-    return tuple(k for k in range(len(scene.targets)) if _distance(scene, k) <= reach + outline_of(scene, k).radius)
-
-
-def _distance(scene: Scene, number: int) -> float:
-    """Horizontal distance of a target from the line of the track, continued endlessly from its start."""
-    x, y = (scene.targets[number].position[k] - scene.track.start[k] for k in (0, 1))
-    c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
-    return math.hypot(min(x * c + y * s, 0.0), y * c - x * s)
+    c, s = math.cos(math.radians(track.heading)), math.sin(math.radians(track.heading))
+    found = []
+    for k, target in enumerate(scene.targets):
+        x, y = (target.position[axis] - track.start[axis] for axis in (0, 1))
+        if math.hypot(min(x * c + y * s, 0.0), y * c - x * s) <= reach + outline_of(scene, k).radius:
+            found.append(k)
+    return tuple(found)
 
 
 def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import takewhile
@@ -172,18 +173,14 @@ def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: 
     """Models with those settings of one choice that can be simulated and have an error within the tolerance."""
     made = [model._replace(**{choice.field: value}) for value in reversed(choice.settings(case, model))]
     made = made[:1] + list(takewhile(lambda one: errors.of(choice, one) <= tolerance, made[1:]))
-    able = [one for one in made if _can_be_simulated(case, choice, one)]
+    able = []
+    for one in made:
+        with suppress(SceneError):
+            choice.require(case, one)
+            able.append(one)
     if not able:
         choice.require(case, made[0])
     return able
-
-
-def _can_be_simulated(case: Case, choice: Choice, model: Model) -> bool:
-    try:
-        choice.require(case, model)
-    except SceneError:
-        return False
-    return True
 
 
 def _finer(case: Case, model: Model) -> Iterator[Model]:

@@ -58,7 +58,12 @@ class Fluctuation(Stage):
             sound.energy = _shift(sound.energy, late)
         else:
             sound.split_traced()
-            sound.waves = _shift_waves(sound.waves, self.samples * self.delay * normals)
+            # Energies are interpolated, phases lie between those of neighbouring samples.
+            waves, late = sound.waves, self.samples * self.delay * normals
+            energy = _shift(waves.real**2 + waves.imaginary**2, late)
+            real, imaginary = _shift(waves.real, late), _shift(waves.imaginary, late)
+            amplitude = np.sqrt(energy / np.maximum(real**2 + imaginary**2, TINY))
+            sound.waves = Waves(amplitude * real, amplitude * imaginary)
 
     def gains(self, pings: NDArray[np.int64]) -> Record:
         """Lognormal factors of mean 1, (n, 1, 1)."""

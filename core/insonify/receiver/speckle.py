@@ -88,7 +88,10 @@ class Speckle(Stage):
 
     def act_on_energies(self, sound: Sound) -> None:
         """Multiply mean echoes by factors; by those of the texture alone if waves are drawn after it."""
-        inverse_shape = _inverse_shape(sound)
+        inverse_shape = None  # mean of 1/ν over the echoes of a bin, by their energy; None for the receiver's own ν
+        if sound.weighted is not None:
+            inverse_shape = np.zeros_like(sound.energy)
+            np.divide(sound.weighted, sound.energy, out=inverse_shape, where=sound.energy > 0.0)
         if not sound.sums_waves:
             sound.energy = sound.energy * self.factors(sound.pings, inverse_shape)
             return
@@ -104,14 +107,6 @@ class Speckle(Stage):
         """Factors of mean 1, (n, 2, bins), with the 1/ν of each bin or the receiver's own ν."""
         factors = self.field.energies(pings, self.looks)
         return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
-
-
-def _inverse_shape(sound: Sound) -> Record | None:
-    """Mean of 1/ν over the echoes of a bin, weighted by their energy; None where the receiver's own ν applies."""
-    if sound.weighted is None:
-        return None
-    out = np.zeros_like(sound.energy)
-    return np.divide(sound.weighted, sound.energy, out=out, where=sound.energy > 0.0)
 
 
 @dataclass(frozen=True, eq=False)

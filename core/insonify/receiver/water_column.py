@@ -56,9 +56,12 @@ class WaterColumn(Stage):
     @classmethod
     def prepare(cls, setup: ReceiverSetup) -> WaterColumn | None:
         """None where nothing but the bed and targets echoes."""
-        volumes = _make_volume_echoes(setup)
-        water = _reverberation(setup).astype(np.float32)
-        reverberation = spread_echoes(setup.taps, water[None, None])[0, 0].astype(np.float64)
+        scene, ground, volumes = setup.scene, setup.ground, None
+        if scene.volumes and ground is not None:
+            points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
+            volumes = VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
+        water = np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
+        reverberation = spread_echoes(setup.taps, water[None, None].astype(np.float32))[0, 0].astype(np.float64)
         return cls(reverberation, setup.taps, volumes) if volumes is not None or reverberation.any() else None
 
     def act_on_energies(self, sound: Sound) -> None:
@@ -72,11 +75,6 @@ class WaterColumn(Stage):
             sound.energy = sound.energy + echoes
 
 
-def _reverberation(setup: ReceiverSetup) -> Curve:
-    """Mean intensity of volume and surface reverberation for a pulse of one bin, (bins,)."""
-    return np.zeros(setup.arrays.bins) + sum(echo for _, _, echo in reverberation_curves(setup))
-
-
 def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Curve]]:
     """Yield name, strength (dB) and mean intensity for a pulse of one bin, (bins,), of each declared reverberation."""
     declared = setup.scene.receiver.reverberation
@@ -86,14 +84,6 @@ def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Cur
     if declared.of_surface is not None:
         echo = power(declared.of_surface) * surface_echo(setup.arrays, setup.depth)
         yield "surface reverberation", declared.of_surface, echo
-
-
-def _make_volume_echoes(setup: ReceiverSetup) -> VolumeEchoes | None:
-    scene, ground = setup.scene, setup.ground
-    if not scene.volumes or ground is None:
-        return None
-    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
-    return VolumeEchoes(setup.arrays, lambda pings: make_poses(scene, ground, pings), points)
 
 
 def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:

@@ -90,7 +90,11 @@ class WaveField:
         if self.half_width.max() <= SINGLE_PING:
             return self._white(pings, 1, slice(0, columns), stream)
         real, imaginary = np.zeros((2, pings.size, 2, columns), np.float32)
-        for spacing, band in self._bands():
+        # Spacings of nodes in pings, and the runs of bins that share them.
+        spacings = 2 ** np.floor(np.log2(np.maximum(0.5 * self.half_width, 1.0))).astype(np.int64)
+        edges = [0, *(np.flatnonzero(np.diff(spacings)) + 1).tolist(), spacings.size]
+        for low, high in pairwise(edges):
+            spacing, band = int(spacings[low]), slice(low, high)
             wide = self.half_width[band]
             # Between two and four nodes lie within the half width, so that no ping has more than eight.
             start = np.ceil((pings - wide.max()) / spacing).astype(np.int64)
@@ -111,12 +115,6 @@ class WaveField:
         first = band.start - self.taps.size + 1
         fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, real, imaginary)
         return real, imaginary
-
-    def _bands(self) -> list[tuple[int, slice]]:
-        """Spacings of nodes in pings, with the runs of bins that share them."""
-        spacings = 2 ** np.floor(np.log2(np.maximum(0.5 * self.half_width, 1.0))).astype(np.int64)
-        edges = [0, *(np.flatnonzero(np.diff(spacings)) + 1).tolist(), spacings.size]
-        return [(int(spacings[low]), slice(low, high)) for low, high in pairwise(edges) if high > low]
 
 
 def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> WaveField:

@@ -48,12 +48,15 @@ def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_pi
     echo = _find_boxes(np.where(direct, labels["target_id"], NOTHING), targets, first_ping)
     owner = np.where(dark, labels["shadow_id"], NOTHING)
     shadow = _find_boxes(owner, targets, first_ping)
+    sections = labels["target_echo"] * (sonar.law == "sonar")  # (pings, 2, m) in m², of the first m targets
+    greatest = np.zeros(targets)
+    greatest[: sections.shape[2]] = sections.max(axis=(0, 1), initial=0.0)
     return TargetTruth(
         echo_box=echo,
         shadow_box=shadow,
         target_box=_join_boxes(echo, shadow),
         shadow_length=sonar.range / sonar.bins * _longest_rows(owner, shadow, first_ping),
-        target_strength=_target_strength(labels["target_echo"] * (sonar.law == "sonar"), targets),
+        target_strength=10.0 * np.log10(np.where(greatest > 0.0, greatest, np.nan)),
     )
 
 
@@ -106,10 +109,3 @@ def _longest_rows(owner: NDArray[np.int16], boxes: NDArray[np.int32], first_ping
         spans = present.shape[1] - present.argmax(axis=1) - present[:, ::-1].argmax(axis=1)
         longest[target, side] = spans[present.any(axis=1)].max()
     return longest
-
-
-def _target_strength(echo: NDArray[np.float32], targets: int) -> NDArray[np.float64]:
-    """Target strength in dB from backscattering cross-sections, (n, 2, m): those of the first m targets."""
-    greatest = np.zeros(targets)
-    greatest[: echo.shape[2]] = echo.max(axis=(0, 1), initial=0.0)
-    return 10.0 * np.log10(np.where(greatest > 0.0, greatest, np.nan))

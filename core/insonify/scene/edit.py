@@ -122,12 +122,11 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
     """Set one dotted path in nested plain values."""
     *parents, last = path.split(".")
     place: Any = values
-    walked: list[str] = []
     for key in parents:
-        walked.append(key)
         child = _child(place, key, path)
         if not isinstance(child, (dict, list)):
-            child = _expanded(walked, child)
+            # A bare name stands for a table.
+            child = {"name" if key == "material" else "kind": child} if isinstance(child, str) else {}
             place[key if isinstance(place, dict) else int(key)] = child
         place = child
     if isinstance(place, list):
@@ -159,13 +158,6 @@ def _child(place: Any, key: str, path: str) -> Any:
     if not key.lstrip("-").isdigit() or not 0 <= int(key) < len(place):
         raise SceneError(f"{path}: there is no item {key!r}; the list has {len(place)}, numbered from 0")
     return place[int(key)]
-
-
-def _expanded(walked: list[str], value: Any) -> dict[str, Any]:
-    """Return the table for which a bare name along a path stands."""
-    if isinstance(value, str):
-        return {"name" if walked[-1] == "material" else "kind": value}
-    return {}
 
 
 def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:

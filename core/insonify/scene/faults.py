@@ -34,8 +34,8 @@ def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
     if kind in _BOUNDS:
-        limit, words = _BOUNDS[kind]
-        bound = f"{context[limit]:g}{_unit(fault['loc'], root)}"
+        (limit, words), unit = _BOUNDS[kind], unit_at(fault["loc"], root)
+        bound = f"{context[limit]:g}{unit if unit in ('', '°') else f' {unit}'}"
         return f"{where}: {_shown(value)} is out of bounds; give a value {words} {bound}"
     if kind.endswith(("too_short", "too_long")):
         bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
@@ -89,12 +89,6 @@ def unit_at(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     return unit
 
 
-def _unit(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
-    """Return the unit of the field of a fault as it follows a number."""
-    unit = unit_at(location, root)
-    return unit if unit in ("", "°") else f" {unit}"
-
-
 def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[tuple[int | str, list[type[BaseModel]]]]:
     """Fields and positions along a path, each with the declarations that may contain it."""
     models: list[type[BaseModel]] = [root]
@@ -115,17 +109,12 @@ def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
     """Suggest the most similar field for an unknown key."""
     *_, (_, models) = _steps(location, root)
     names = [name for model in models for name in model.model_fields]
-    if others := _kinds_with(str(location[-1]), models):
+    families = {model.family for model in models if issubclass(model, Declaration) and model.family is not None}
+    kinds = {kind: each for family in families for kind, each in family.models(Declaration).items()}
+    if others := [kind for kind, model in kinds.items() if str(location[-1]) in model.model_fields]:
         own = " or ".join(sorted({repr(kind) for model in models if (kind := kind_name(model))}))
         return f"it belongs to kind {' or '.join(map(repr, others))}, not to {own}; set kind, too"
     close = difflib.get_close_matches(str(location[-1]), names, n=1)
     if close:
         return f"did you mean {close[0]!r}?"
     return f"remove it, or use one of {', '.join(names)}" if names else "remove it"
-
-
-def _kinds_with(name: str, models: list[type[BaseModel]]) -> list[str]:
-    """Return the other kinds of the same choice that have a field, by name."""
-    families = {model.family for model in models if issubclass(model, Declaration) and model.family is not None}
-    found = {kind: each for family in families for kind, each in family.models(Declaration).items()}
-    return [kind for kind, model in found.items() if name in model.model_fields]

@@ -98,7 +98,8 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
     bed = np.broadcast_to(
         (r >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * step), intensity.shape
     )
-    patches = _even_patches(amplitude, bed & ~_clipped(intensity))
+    full = intensity >= intensity.max()  # samples at full scale, unless the greatest intensity is rare
+    patches = _even_patches(amplitude, bed & ~full if full.sum() > CLIPPED * intensity.size else bed)
     along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), measure_ping_spacing(record))
     across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
     if patches.size == 0 or along is None or across is None:
@@ -159,12 +160,6 @@ def _amplitude_step(intensity: NDArray[np.float32]) -> float:
     step = float(amplitude.min())
     multiples = amplitude[:: amplitude.size // ENOUGH + 1] / step
     return step if np.abs(multiples - np.rint(multiples)).max() < OFF_STEP else 0.0
-
-
-def _clipped(intensity: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Find samples at full scale; an empty mask where the greatest intensity is rare."""
-    at_most = intensity >= intensity.max()
-    return at_most if at_most.sum() > CLIPPED * intensity.size else np.zeros(intensity.shape, dtype=np.bool_)
 
 
 def _measure_shadows(

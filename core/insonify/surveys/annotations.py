@@ -133,8 +133,12 @@ class Yolo(AnnotationKind, kind="yolo", rank=20):
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
         """Text of boxes; empty for an image without targets."""
-        found = [one for one in tile["targets"] if one[self.of] is not None]
-        lines = [_yolo_line(classes.index(one["class"]), one[self.of]["box"], tile["shape"]) for one in found]
+        lines, (rows, columns) = [], tile["shape"]
+        for one in tile["targets"]:
+            if one[self.of] is not None:
+                x, y, width, height = one[self.of]["box"]
+                shares = (x + 0.5 * width) / columns, (y + 0.5 * height) / rows, width / columns, height / rows
+                lines.append(" ".join([str(classes.index(one["class"])), *(f"{share:.6f}" for share in shares)]) + "\n")
         return {"labels": (".txt", "".join(lines).encode())}
 
     @contextmanager
@@ -145,9 +149,3 @@ class Yolo(AnnotationKind, kind="yolo", rank=20):
         lines = ["path: .", *(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:"]
         lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]
         write_text(folder / "data.yaml", "\n".join(lines) + "\n")
-
-
-def _yolo_line(number: int, box: Sequence[int], shape: Sequence[int]) -> str:
-    (x, y, width, height), (rows, columns) = box, shape
-    centre = (x + 0.5 * width) / columns, (y + 0.5 * height) / rows
-    return " ".join([str(number), *(f"{share:.6f}" for share in (*centre, width / columns, height / rows))]) + "\n"

@@ -4,7 +4,7 @@ import io
 import json
 import tarfile
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ class StorageKind(Kind):
 
     @abstractmethod
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
-        """Write the tiles of one job, all of one split, and note where each image is: ``told["file"]``.
+        """Write the tiles of one job, at least one and all of one split, and note where each is: ``told["file"]``.
 
         Parameters
         ----------
@@ -85,15 +85,15 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.tar``; without a time, so that the same tiles give the same bytes."""
-        if not tiles:
-            return
         path = folder / tiles[0].told["split"] / shelf / f"{job}.tar"
         path.parent.mkdir(parents=True, exist_ok=True)
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
             for tile in tiles:
                 tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.told['name']}.png"
-                for name, content in _archived(tile):
-                    entry = tarfile.TarInfo(name)
+                members = {".mask" * (of == MASKS) + suffix: held for of, (suffix, held) in _members(tile).items()}
+                # WebDataset groups members up to the first dot.
+                for ending, content in (members | {".json": json.dumps(tile.told).encode()}).items():
+                    entry = tarfile.TarInfo(tile.told["name"] + ending)
                     entry.size, entry.mode = len(content), 0o644
                     archive.addfile(entry, io.BytesIO(content))
 
@@ -114,8 +114,6 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.zarr``: a chunk for each tile, all chunks of an array in one file."""
-        if not tiles:
-            return
         import zarr
 
         path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"
@@ -145,14 +143,6 @@ def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:
     """Suffix and content of all files of a tile, by folder: image, mask, annotations."""
     pictures = {IMAGES: tile.image, MASKS: tile.mask}
     return {beside: (".png", _encode(pixels)) for beside, pixels in pictures.items()} | tile.labels
-
-
-def _archived(tile: Tile) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the members of an archive for a tile; WebDataset groups them up to the first dot."""
-    endings = {IMAGES: "", MASKS: ".mask"}
-    for folder, (suffix, content) in _members(tile).items():
-        yield f"{tile.told['name']}{endings.get(folder, '')}{suffix}", content
-    yield f"{tile.told['name']}.json", json.dumps(tile.told).encode()
 
 
 def _encode(pixels: Pixels) -> bytes:

@@ -151,12 +151,10 @@ class EndlessField:
                 total += pyramids[0].doubled(nodes)
                 continue
             real, imaginary = (pyramid.doubled(nodes) for pyramid in pyramids)
-            total += (real + 1j * imaginary) * self._carrier(band.wave, nodes)
+            y, x = (self._spacing * (first + np.arange(count)) for first, count in zip(nodes.first, nodes.shape))
+            along, across = np.exp(2j * math.pi * band.wave[1] * y), np.exp(2j * math.pi * band.wave[0] * x)
+            total += (real + 1j * imaginary) * (along[:, np.newaxis] * across)
         return total
-
-    def _carrier(self, wave: tuple[float, float], nodes: Nodes) -> ComplexField:
-        y, x = (self._spacing * (first + np.arange(count)) for first, count in zip(nodes.first, nodes.shape))
-        return np.asarray(np.exp(2j * math.pi * wave[1] * y)[:, np.newaxis] * np.exp(2j * math.pi * wave[0] * x))
 
     def _above(self, fx: Field, fy: Field) -> Field:
         """Density of the part on the finest lattice."""
@@ -192,7 +190,9 @@ class _Pyramid:
         if lattice is None or lattice.variance <= FAINT * self.variance:
             own = np.zeros(nodes.shape)
         elif keep:
-            side = _side_of_parts(level - self._first)
+            # A window needs few nodes of a coarse lattice, usually around the corner of four tiles, but most of a fine
+            # one.
+            side = max(min(TILE, 2 * TILE >> level - self._first), PART)
             parts = gather_tiles(
                 lambda row, column: self._part(level, side, row, column), nodes.first, nodes.shape, side
             )
@@ -292,12 +292,6 @@ def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
         return _between(band.density, share, low, _crossing(spacing, level - 1))
 
     return {level: _Filter(density(level), spacing * 2.0**level, TAPS) for level in range(first, last + 1)}
-
-
-def _side_of_parts(coarser: int) -> int:
-    """Nodes along a side of the cached parts of a lattice, by the number of finer lattices of its pyramid."""
-    # A window needs few nodes of a coarse lattice, usually around the corner of four tiles, but most of a fine one.
-    return max(min(TILE, 2 * TILE >> coarser), PART)
 
 
 def gather_tiles(

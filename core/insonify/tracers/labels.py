@@ -96,8 +96,20 @@ def trace_labels(
     found.energy[folded] *= FIXED_POINT  # rays count in plain units
     labels = _describe_contributors(arrays, found)
     if crosstalk > 0.0:
-        labels = _with_crosstalk(labels, found.energy, crosstalk)
-    return labels if volumes is None else _with_volumes(arrays, labels, found.energy, crosstalk, volumes)
+        # The other side's contributor wherever its crosstalk exceeds the side's own echo.
+        leaked: dict[str, Any] = {}
+        louder = crosstalk * found.energy[:, ::-1] > found.energy
+        for name in ("target_id", "material", "ground_range", "incidence", "path", "caustic"):
+            leaked[name] = np.where(louder, getattr(labels, name)[:, ::-1], getattr(labels, name))
+        leaked["path"][louder] = PATHS.index("crosstalk")
+        labels = labels._replace(**leaked)
+    # The volume of the greatest echo, where that exceeds the contributor's.
+    greatest = np.maximum(found.energy, crosstalk * found.energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+    for number, own in enumerate(() if volumes is None else volumes):
+        received = np.maximum(own, crosstalk * own[:, ::-1])
+        labels.volume_id[received > greatest] = number
+        greatest = np.maximum(received, greatest)
+    return labels
 
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
@@ -187,28 +199,3 @@ def _describe_contributors(arrays: SceneArrays, found: BinLabels) -> RecordLabel
         caustic=found.caustic,
         target_echo=found.target_echo,
     )
-
-
-def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: float) -> RecordLabels:
-    """Labels with the other side's contributor wherever its crosstalk exceeds the side's own echo."""
-    across = crosstalk * energy[:, ::-1] > energy
-    leaked = ("target_id", "material", "ground_range", "incidence", "path", "caustic")
-    columns = {name: np.where(across, getattr(own, name)[:, ::-1], getattr(own, name)) for name in leaked}
-    columns["path"][across] = PATHS.index("crosstalk")
-    return own._replace(**columns)
-
-
-def _with_volumes(
-    arrays: SceneArrays,
-    labels: RecordLabels,
-    energy: NDArray[np.float32],
-    crosstalk: float,
-    volumes: NDArray[np.float32],
-) -> RecordLabels:
-    """Labels with the volume of the greatest echo, where that exceeds the contributor's."""
-    greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
-    for number, own in enumerate(volumes):
-        received = np.maximum(own, crosstalk * own[:, ::-1])
-        labels.volume_id[received > greatest] = number
-        greatest = np.maximum(received, greatest)
-    return labels

@@ -160,12 +160,8 @@ def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> Sce
     top = max(arrays.bed.high, float((patches.centre[:, 2] + patches.bound).max(initial=-math.inf)))
     nearest = max(float(poses.z.min()) - top, pattern.first_range)
     first = min(int(math.log2(nearest / pattern.first_range) * pattern.per_octave), pattern.extent.size - 1)
-    extent, energy, integral = (
-        np.array(rows)
-        for rows in zip(
-            *(_without_faint_sidelobes(*row) for row in zip(pattern.extent, pattern.energy, pattern.integral))
-        )
-    )
+    rows = map(_without_faint_sidelobes, pattern.extent, pattern.energy, pattern.integral)
+    extent, energy, integral = map(np.array, zip(*rows))
     # No scatterer reads those rows: a ping does not depend on the others traced with it.
     extent[:first] = extent[first]
     return arrays._replace(pattern=pattern._replace(extent=extent, energy=energy, integral=integral))

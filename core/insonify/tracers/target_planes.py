@@ -219,16 +219,10 @@ def _edges(fan: AzimuthFan) -> tuple[Angles, Angles]:
 @remember_latest
 def _covers_of(solids: Solids, mesh: Mesh) -> _Outlines:
     """Outlines that hold all of the solids and of the meshes of each target."""
-    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
-    rows = np.unique(mesh.target, return_index=True)[1]
-    hulls = [_hull_from_above(mesh.corners[mesh.target == mesh.target[row]]) for row in rows]
-    points = np.concatenate([ends[:, :2], *hulls])
+    x, y, radius, first, hulls = _hulls_of(solids, mesh)
     beyond = [np.full(len(hull), BEYOND * math.hypot(*np.ptp(hull, axis=0))) for hull in hulls]
-    radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
-    sizes = [2] * radius.size + [len(hull) for hull in hulls]
-    first = np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64)
-    bare = np.full(len(sizes), math.inf), np.zeros(len(sizes))
-    return _Outlines(points[:, 0], points[:, 1], np.concatenate([np.repeat(radius, 2), *beyond]), first, *bare)
+    bare = np.full(first.size, math.inf), np.zeros(first.size)
+    return _Outlines(x, y, np.concatenate([radius, *beyond]), first, *bare)
 
 
 @remember_latest
@@ -236,25 +230,31 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: NDArray[np.float64]) 
     """Outlines of solids and of the meshes of each target; balls at the joints of a pipe hardly show."""
     is_ball = solids.length == 0.0
     kept = ~(is_ball & np.isin(solids.target, solids.target[~is_ball]))
-    start, length = solids.start[kept], solids.length[kept]
-    ends = np.stack([start, start + length[:, None] * solids.axis[kept]], axis=1).reshape(-1, 3)
-    radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)[kept]
-    first_rows = np.unique(mesh.target, return_index=True)[1]
-    hulls = [_hull_from_above(mesh.corners[mesh.target == mesh.target[row]]) for row in first_rows]
-    points = np.concatenate([ends[:, :2], *hulls])
-    materials = reflectivity[np.append(solids.material[kept], mesh.material[first_rows])]
+    some = Solids(*(column[kept] for column in solids))
+    x, y, radius, first, hulls = _hulls_of(some, mesh)
+    materials = reflectivity[np.append(some.material, mesh.material[np.unique(mesh.target, return_index=True)[1]])]
     # A ball turns its side with azimuth as an upright cylinder does, a level one and a flat side do not.
-    upright = np.where(is_ball, 1.0, np.abs(solids.axis[:, 2]))[kept]
-    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    upright = np.where(is_ball[kept], 1.0, np.abs(some.axis[:, 2]))
     lobe = 1.0 / np.sqrt(np.maximum(materials[:, 2], 1.0))
     return _Outlines(
-        x=points[:, 0],
-        y=points[:, 1],
-        radius=np.append(np.repeat(radius, 2), np.zeros(len(points) - 2 * radius.size)),
-        first=np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64),
+        x,
+        y,
+        radius=np.append(radius, np.zeros(x.size - radius.size)),
+        first=first,
         lobe=np.where(materials[:, 1] > 0.0, lobe, math.inf),
-        curvature=np.append(upright / np.maximum(solids.radius[kept], LEAST), np.zeros(len(hulls))),
+        curvature=np.append(upright / np.maximum(some.radius, LEAST), np.zeros(len(hulls))),
     )
+
+
+def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Angles, Angles, Angles, NDArray[np.int64], list[Angles]]:
+    """Points at the ends of solids and then about meshes: x, y, radii of the ends, first point of each, hulls."""
+    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
+    radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
+    hulls = [_hull_from_above(mesh.corners[mesh.target == target]) for target in np.unique(mesh.target)]
+    points = np.concatenate([ends[:, :2], *hulls])
+    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    first = np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64)
+    return points[:, 0], points[:, 1], np.repeat(radius, 2), first, hulls
 
 
 def _hull_from_above(corners: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -91,7 +91,7 @@ class Recording:
 
 def is_recording(path: str) -> bool:
     """Whether a file is, by its suffix, a recording or a record rather than a scene."""
-    return Path(path).suffix.lower() in (*RECORDS.readable(), *RECORDS.foreign())
+    return Path(path).suffix.lower() in (*RECORDS.readable(), *RECORDS.suffixes("converter"))
 
 
 def load_recording(path: str, frequency: float | None = None) -> Recording:

@@ -50,24 +50,20 @@ class Chart(ABC):
         table = self.tabulate()
         with replacing(path) as partial:
             if suffix == ".csv":
-                _write_csv(partial, table)
+                # Each fact has a column of its own, so that it survives any reader of CSV.
+                facts = [_text(value) for value in table.facts.values()]
+                with partial.open("w", newline="", encoding="utf-8") as file:
+                    lines = csv.writer(file)
+                    lines.writerow([*table.columns, *table.facts])
+                    lines.writerows([*map(_text, row), *facts] for row in table.rows)
             elif suffix == ".json":
                 rows = [dict(zip(table.columns, map(_finite, row))) for row in table.rows]
                 text = json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False)
                 partial.write_text(text, encoding="utf-8", newline="")
             else:
-                facts = {"Description": "\n".join(f"{name}: {_text(value)}" for name, value in table.facts.items())}
+                about = {"Description": "\n".join(f"{name}: {_text(value)}" for name, value in table.facts.items())}
                 with rc_context({"svg.fonttype": "none"}):  # text stays text
-                    self.draw().savefig(partial, format=suffix[1:], dpi=DPI, metadata=facts)
-
-
-def _write_csv(path: Path, table: ChartTable) -> None:
-    """Write the rows; each fact has a column of its own, so that it survives any reader of CSV."""
-    facts = [_text(value) for value in table.facts.values()]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        lines = csv.writer(file)
-        lines.writerow([*table.columns, *table.facts])
-        lines.writerows([*map(_text, row), *facts] for row in table.rows)
+                    self.draw().savefig(partial, format=suffix[1:], dpi=DPI, metadata=about)
 
 
 def _finite(value: Any) -> Any:

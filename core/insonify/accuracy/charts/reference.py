@@ -67,8 +67,11 @@ def refine_reference(
         moved = by.beyond
         smallest = min(compare_records(arrays, poses, other, finer).beyond for other in shown)
         left = seconds - (process_time() - began)
-        doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
-        doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(most / (2 * count))))
+        # Doublings that divide the change as far as it takes, that the time allows, and that the memory allows. Several
+        # begin with a pair of counts.
+        needed = max(math.log2(RESOLVED * moved / smallest) / order, 1.0) if moved > 0.0 < smallest else 64.0
+        affordable = max(math.log2(left / per_ray / (3 * count)), 1.0) if left / per_ray >= 4 * count else 0.0
+        doublings = min(math.ceil(needed), int(affordable), int(math.log2(most / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count, by.all_bins, name_rays(arrays))
         count <<= doublings
@@ -110,15 +113,3 @@ def trace_exact_rays(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return np.concatenate(records)
-
-
-def _doublings(factor: float, order: float) -> int:
-    """Count the doublings that divide the change by a factor."""
-    return max(math.ceil(math.log2(max(factor, 1.0)) / order), 1) if math.isfinite(factor) else 64
-
-
-def _affordable(rays_left: float, count: int) -> int:
-    """Count the doublings that the remaining rays allow; several begin with a pair of counts."""
-    if rays_left < 4 * count:
-        return 0
-    return max(1, math.floor(math.log2(rays_left / (3 * count))))

@@ -2,7 +2,6 @@
 
 import csv
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -179,17 +178,14 @@ def _write_headings(figure: Figure, diagram: RayDiagram) -> None:
 def _describe(diagram: RayDiagram) -> str:
     """State the place of the sonar, and the ranges of bed that no sound reaches."""
     parts = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
-    parts += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
+    for begin, end in diagram.dark:
+        where = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
+        parts.append(f"no sound on the bed {where}")
     if diagram.target is not None:
         count = len(diagram.eigenrays)
         place = f"{diagram.target[0]:g} m away at {diagram.target[1]:g} m"
         parts.append(f"{count or 'no'} ray{'s' * (count != 1)} to the point {place}")
     return " · ".join(parts)
-
-
-def _stretches(diagram: RayDiagram) -> Iterable[str]:
-    for begin, end in diagram.dark:
-        yield f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
 
 
 def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:

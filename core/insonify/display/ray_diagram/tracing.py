@@ -50,13 +50,18 @@ def trace_ray_diagram(
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
     limits = RayLimits(reach, 0.0, bottom, False, False)
     fan = trace_fan(water, bottom - depth, limits, columns)
+    # Round launch angles, 0 included, at most `MOST_RAYS`.
+    steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
+    step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
+    count = math.ceil(min(steepest, 85.0) / step)
+    angles = np.arange(-count, count + 1, dtype=np.float64) * step
     return RayDiagram(
         title=scene.title,
         layers=make_sound_speed_field(scene.water),
         source_depth=depth,
         bottom=bottom,
         reach=reach,
-        rays=_paths(water, bottom, depth, _round_angles(depth, bottom, reach), limits),
+        rays=_paths(water, bottom, depth, angles, limits),
         shadow=~fan.lit[::-1],
         dark=fan.dark,
         caustics=_caustics(fan, bottom),
@@ -64,14 +69,6 @@ def trace_ray_diagram(
         eigenrays=() if target is None else _eigenrays(water, bottom, depth, target),
         limits=tuple(scene.describe_limits()),
     )
-
-
-def _round_angles(depth: float, bottom: float, reach: float) -> Values:
-    """Round launch angles in degrees below the horizontal, 0 included, at most `MOST_RAYS`."""
-    steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
-    step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
-    count = math.ceil(min(steepest, 85.0) / step)
-    return np.arange(-count, count + 1, dtype=np.float64) * step
 
 
 def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: RayLimits) -> tuple[DiagramRay, ...]:
@@ -133,7 +130,10 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
     kept, count = [rays], FIRST
     first, last = _taken(rays, slice(None, -1)), _taken(rays, slice(1, None))
     for _ in range(ROUNDS):
-        parted = _parted(first, last, WIDE * cell)
+        # Neighbours that diverge by more than some cells or end differently.
+        with np.errstate(invalid="ignore"):
+            far = (np.abs(first.height - last.height) > WIDE * cell).any(axis=1)
+        parted = (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
         first, last = _taken(first, parted), _taken(last, parted)
         count += first.angle.size
         if first.angle.size == 0 or count > MOST:
@@ -172,13 +172,6 @@ def _taken(rays: _Rays, which: slice | NDArray[Any]) -> _Rays:
 
 def _joined(parts: list[_Rays]) -> _Rays:
     return _Rays(*(np.concatenate(columns) for columns in zip(*parts)))
-
-
-def _parted(first: _Rays, last: _Rays, most: float) -> NDArray[np.bool_]:
-    """Select neighbours that diverge by more than ``most`` or end differently."""
-    with np.errstate(invalid="ignore"):
-        far = (np.abs(first.height - last.height) > most).any(axis=1)
-    return (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
 
 
 def _dark(rays: _Rays, reach: float) -> Values:

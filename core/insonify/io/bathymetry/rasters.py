@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.io.bathymetry import HEIGHT, Grid, check_size, check_type
 from insonify.io.file_access import FileFault, check_companions, check_expansion
@@ -91,45 +90,28 @@ def _is_depth(raster: Any) -> bool:
 
 def _read_metres(raster: Any, depths: bool) -> Grid:
     """Read a raster in metres."""
-    heights, unit = _flipped(raster.read(ELEVATION, masked=True)), raster.units[ELEVATION - 1] or ""
+    band, unit = raster.read(ELEVATION, masked=True)[::-1], raster.units[ELEVATION - 1] or ""  # from south to north
+    heights = np.array(band.data, dtype=np.float64)
+    heights[np.ma.getmaskarray(band) | ~np.isfinite(heights)] = np.nan
     # A TIFF without georeference is accepted: the scene gives its spacing.
     if raster.crs is None and raster.transform.is_identity:
         return Grid(heights, depths=depths, unit=unit)
-    _check_metres(raster)
+    # A grid without a reference system counts as in metres.
+    if raster.crs is not None and raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:
+        raise FileFault(f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs")
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
         raise FileFault("is not laid out north up", "warp it to a north-up grid, for example with gdalwarp")
-    _check_transform(transform)
-    # Heights lie at the centres of pixels; the last row is the southernmost.
-    x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
-    # A local system, neither projected nor geographic, has no known place on Earth.
-    crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
-    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths, unit=unit)
-
-
-def _check_transform(transform: Any) -> None:
-    """Raise FileFault for pixels and corners of sizes that no map has."""
     if not all(SPACINGS[0] <= abs(side) <= SPACINGS[1] for side in (transform.a, transform.e)):
         sizes = f"has pixels of {transform.a:g} by {-transform.e:g} m"
         raise FileFault(sizes, f"give a size from {SPACINGS[0]:g} to {SPACINGS[1]:g} m")
     if not math.hypot(transform.c, transform.f) <= FARTHEST:
         raise FileFault(f"lies at {transform.c:g}, {transform.f:g} m", "georeference it again")
-
-
-def _flipped(band: Any) -> NDArray[np.float64]:
-    """Heights with rows from south to north, NaN where there is none."""
-    heights = np.empty(band.shape)
-    heights[...] = band.data[::-1]
-    heights[np.ma.getmaskarray(band)[::-1] | ~np.isfinite(heights)] = np.nan
-    return heights
-
-
-def _check_metres(raster: Any) -> None:
-    """Raise FileFault for coordinates not in metres; a grid without a reference system counts as in metres."""
-    if raster.crs is None:
-        return
-    if raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:
-        raise FileFault(f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs")
+    # Heights lie at the centres of pixels; the last row is the southernmost.
+    x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
+    # A local system, neither projected nor geographic, has no known place on Earth.
+    crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
+    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths, unit=unit)
 
 
 RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", tuple(DRIVERS), read_raster, remedy=REMEDY)

@@ -54,9 +54,16 @@ def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     n = len(corners)
     first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
     surface = _components(first, second, n)
-    flipped = _flips(first, second, alike, surface)
+    # Triangles to reverse are found on the double cover, which holds every triangle once in either winding.
+    side = np.where(alike, 0, n)
+    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
+    _, leaders = np.unique(surface, return_index=True)
+    one_sided = cover[:n] == cover[n:]
+    flipped = (cover[:n] != cover[leaders][surface]) & ~one_sided
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
-    inside_out = _volumes(wound, surface) < 0.0
+    # Signed volumes, summed over tetrahedra from the centroid.
+    a, b, c = np.moveaxis(wound - wound.mean(axis=(0, 1)), 1, 0)
+    inside_out = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) < 0.0
     inside_out &= np.bincount(surface[first], minlength=inside_out.size) * 2 == np.bincount(surface) * 3  # closed
     return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
 
@@ -81,18 +88,6 @@ def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np
     return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
 
 
-def _flips(
-    first: NDArray[np.int64], second: NDArray[np.int64], alike: NDArray[np.bool_], surface: NDArray[np.int64]
-) -> NDArray[np.bool_]:
-    """Triangles to reverse, found on the double cover, which holds every triangle once in either winding."""
-    n = surface.size
-    side = np.where(alike, 0, n)
-    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
-    _, leaders = np.unique(surface, return_index=True)
-    one_sided = cover[:n] == cover[n:]
-    return np.asarray((cover[:n] != cover[leaders][surface]) & ~one_sided)
-
-
 def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> NDArray[np.int64]:
     """Find the connected component of each of n nodes with links between pairs."""
     # lazy: SciPy's sparse graphs, which only meshes need
@@ -101,9 +96,3 @@ def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> 
 
     links = coo_array((np.ones(first.size, np.int8), (first, second)), shape=(n, n))
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
-
-
-def _volumes(corners: NDArray[np.float64], surface: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Signed volume of each surface, summed over tetrahedra from the centroid."""
-    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
-    return np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) / 6.0

@@ -66,17 +66,14 @@ def read_gpx(path: str) -> Columns:
     if "<!" in text.replace("<!--", "").replace("<![CDATA[", ""):  # entities can grow without bound
         raise FileFault("declares a document type", GPX_REMEDY)
     points = [each for each in ElementTree.fromstring(text).iter() if each.tag.rpartition("}")[2] == "trkpt"]
-    rows = [(_time(point), float(point.get("lon", "nan")), float(point.get("lat", "nan"))) for point in points]
+    rows = []
+    for point in points:
+        time = next((each.text for each in point if each.tag.rpartition("}")[2] == "time"), None)
+        if time is None:
+            raise FileFault("has points without a time", "export a recorded track, not a route")
+        rows.append((_seconds(time.strip()), float(point.get("lon", "nan")), float(point.get("lat", "nan"))))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 3).T
     return dict(zip(("time", "longitude", "latitude"), columns))
-
-
-def _time(point: ElementTree.Element) -> float:
-    """Time of a point in seconds since 1970."""
-    text = next((each.text for each in point if each.tag.rpartition("}")[2] == "time"), None)
-    if text is None:
-        raise FileFault("has points without a time", "export a recorded track, not a route")
-    return _seconds(text.strip())
 
 
 def read_platform(path: str) -> Columns:

@@ -46,7 +46,11 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
     # transmitted pulse, or a shadow at nadir does not displace it.
     width = max(round(BEHIND * intensity.shape[2]), 1)
     groups = (intensity[:, first : first + GROUP] for first in range(0, intensity.shape[1], GROUP))  # one in memory
-    edges = _steadiest((score for group in groups for score in _score(_kinds(group), width)), intensity.shape[1])
+    at = np.arange(intensity.shape[2] - width + 1)
+    # The score of an edge before each bin: loud less quiet bins within a width behind it, less those before it.
+    sums = (np.append(np.zeros((len(kinds), 1)), np.cumsum(kinds, axis=1), axis=1) for kinds in map(_kinds, groups))
+    scores = (score for total in sums for score in total[:, at + width] - 2.0 * total[:, at])
+    edges = _steadiest(scores, intensity.shape[1])
     if not np.median(_contrast(intensity, edges, width)) >= FAINT:
         return np.full(len(edges), np.nan)
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
@@ -71,14 +75,6 @@ def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
     loud = (level * high).sum(axis=1, keepdims=True) / np.maximum(count, 1)
     quiet = (level * ~high).sum(axis=1, keepdims=True) / np.maximum(bins - count, 1)
     return np.where(level > 0.5 * (loud + quiet), 1.0, -1.0) * varied
-
-
-def _score(kinds: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Correctly classified bins less misclassified ones, for an edge before every bin."""
-    pings, bins = kinds.shape
-    total = np.concatenate([np.zeros((pings, 1)), np.cumsum(kinds, axis=1)], axis=1)
-    at = np.arange(bins - width + 1)
-    return total[:, at + width] - 2.0 * total[:, at]
 
 
 def _contrast(intensity: NDArray[np.float32], edges: NDArray[np.int64], width: int) -> NDArray[np.float64]:

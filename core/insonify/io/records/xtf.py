@@ -72,7 +72,9 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
     """Yield the pings with a side-scan channel, packet by packet."""
     from pyxtf import XTFPacketStart, XTFPingHeader
 
-    at = BLOCK * max(1, -(-_channels(header) // 6))
+    kinds = ("SonarChannels", "BathymetryChannels", "SnippetChannels", "EchoStrengthChannels", "InterferometryChannels")
+    channels = sum(int(getattr(header, f"NumberOf{kind}")) for kind in (*kinds, "ForwardLookArrays"))
+    at = BLOCK * max(1, -(-channels // 6))  # the header is as long as these need
     smallest, whole = ctypes.sizeof(XTFPacketStart), 0
     while at < content.size:
         start = content[at : at + smallest]
@@ -96,13 +98,6 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
         at += packet.NumBytesThisRecord
 
 
-def _channels(header: Any) -> int:
-    """Count the channels of all kinds, which determine the length of the header."""
-    kinds = ("Sonar", "Bathymetry", "Snippet", "EchoStrength", "Interferometry")
-    arrays = int(header.NumberOfForwardLookArrays)
-    return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
-
-
 def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
     """Read the port and starboard channels of a ping."""
     from pyxtf import XTFPingChanHeader
@@ -120,7 +115,10 @@ def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
         if number in known and samples.size:
             row, band = SIDES[info.TypeOfChannel], known[number]
             near_to_far = samples[::-1] if row == 0 else samples
-            side = _side(ping, (info, channel), near_to_far, _unit(header, info, samples.dtype))
+            # The ``VoltScale`` of other recorders is often not the amplitude of one count.
+            own = header.RecordingProgramName == PROGRAM
+            unit = float(info.VoltScale) / counts(samples.dtype) if own else 1.0
+            side = _side(ping, (info, channel), near_to_far, unit)
             found.bands.setdefault(band, {}).setdefault(row, side)
             found.frequencies[band] = float(channel.Frequency)
     return found
@@ -139,11 +137,6 @@ def _samples(info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[
     if length > body.size:
         raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
     return body[:length].view(kind), length
-
-
-def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
-    """Amplitude of one count; 1 for other recorders, because their ``VoltScale`` is often not the scale."""
-    return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
 def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> recording.SideEchoes:
@@ -168,7 +161,10 @@ def _side(ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: floa
 
 def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
-    times, fixes, first = _seconds(headers), _fixes(header, headers), headers[0]
+    # Positions of the fish, or of the ship where those are all zero.
+    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
+    fixes, times, first = recording.Fixes(x, y, header.NavUnits == DEGREES), _seconds(headers), headers[0]
     attributes: dict[str, Any] = {} if fixes.place is None else fixes.place.attributes()
     clock = first.Hour, first.Minute, first.Second, 10_000 * first.HSeconds
     with contextlib.suppress(ValueError):  # a date that the calendar does not have
@@ -204,26 +200,15 @@ def _platform_columns(
     )
     compass = _first_of(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
-    x, y = fixes.positions(times) or _dead_reckoning(headers, times)
+    # Without a fix the positions are along +y, by the recorded speed.
+    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    x, y = fixes.positions(times) or (np.zeros_like(run), run)
     return (
         x, y, recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
         recording.heading_from_compass(compass, recorded & (compass != 0.0)),
         recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
     )  # fmt: skip
-
-
-def _fixes(header: Any, headers: list[Any]) -> recording.Fixes:
-    """Positions of the fish, or of the ship where those are all zero."""
-    x = _first_of(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
-    y = _first_of(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    return recording.Fixes(x, y, header.NavUnits == DEGREES)
-
-
-def _dead_reckoning(headers: list[Any], times: recording.Column) -> tuple[recording.Column, recording.Column]:
-    """Positions along +y from the recorded speed, of a recording without a fix."""
-    speed = _first_of(headers, "SensorSpeed", "ShipSpeed") * KNOT
-    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
-    return np.zeros_like(run), run
 
 
 def _column(headers: list[Any], name: str, unknown: float = 0.0) -> recording.Column:

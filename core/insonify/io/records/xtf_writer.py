@@ -181,7 +181,9 @@ def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
         bearing = 90.0 - platform["platform_heading"]
     # North is 360°, because 0 stands for no compass.
     bearing = 360.0 - np.mod(-bearing, 360.0)
-    speed = _speed(survey.times, x, y) / KNOT
+    times, speed = survey.times, np.zeros_like(x)  # 0 where the times do not increase
+    if times.size > 1 and (np.diff(times) > 0.0).all():
+        speed = np.hypot(np.gradient(x, times), np.gradient(y, times)) / KNOT
     return {
         name: np.nan_to_num(column)
         for name, column in {
@@ -191,13 +193,6 @@ def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
             "SensorDepth": platform["platform_depth"], "SensorPrimaryAltitude": platform["platform_altitude"],
         }.items()
     }  # fmt: skip
-
-
-def _speed(times: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Speed over ground at every ping, in m/s; 0 where the times do not increase."""
-    if times.size < 2 or not (np.diff(times) > 0.0).all():
-        return np.zeros_like(x)
-    return np.hypot(np.gradient(x, times), np.gradient(y, times))
 
 
 def _packet(header: Any, survey: _Survey, sides: NDArray[np.float32], kind: SampleType, unit: float) -> bytes:

@@ -54,12 +54,18 @@ def read_cast(path: str) -> Cast:
 def clean_cast(columns: Columns) -> Cast:
     """Make a cast of the columns of a file."""
     used = _used(columns)
-    rows = np.flatnonzero(_plausible({name: columns[name] for name in used}))
+    fine = np.ones(columns["depth"].shape, dtype=bool)
+    for name in used:
+        low, high = PLAUSIBLE.get(name, (-np.inf, np.inf))
+        fine &= np.isfinite(columns[name]) & (columns[name] >= low) & (columns[name] <= high)
+    rows = np.flatnonzero(fine)
     if rows.size:
         time = columns["time"][rows] if "time" in columns else None
         rows = rows[_way_down(columns["depth"][rows], time)]
-    depth = columns["depth"][rows]
-    means = {name: _binned(depth, columns[name][rows]) for name in used}
+    # Means over bins of depth, which remove noise and repeated or unsorted depths. Depths are averaged like the other
+    # columns, which keeps gradients and the place of sparse rows.
+    _, step = np.unique(np.floor(columns["depth"][rows] / BIN), return_inverse=True)
+    means = {name: np.bincount(step, weights=columns[name][rows]) / np.bincount(step) for name in used}
     if means["depth"].size < 2:
         raise FileFault(
             f"holds {means['depth'].size} usable depths of {columns['depth'].size} rows", "give two or more"
@@ -79,15 +85,6 @@ def _used(columns: Columns) -> tuple[str, ...]:
             "has neither the speed of sound nor temperature and salinity", "name a column sound_speed (m/s)"
         )
     return ("depth", *used)
-
-
-def _plausible(columns: Columns) -> NDArray[np.bool_]:
-    """Rows in which every value is present and plausible for sea water."""
-    fine = np.ones(columns["depth"].shape, dtype=bool)
-    for name, column in columns.items():
-        low, high = PLAUSIBLE.get(name, (-np.inf, np.inf))
-        fine &= np.isfinite(column) & (column >= low) & (column <= high)
-    return fine
 
 
 def _way_down(depth: Values, time: Values | None) -> slice:
@@ -115,10 +112,3 @@ def _after_soak(depth: Values, time: Values) -> int:
         return 0
     first, last = int(reached[waits[-1]]) + 1, int(reached[waits[-1] + 1]) + 1
     return first + int(depth[first:last].argmin())
-
-
-def _binned(depth: Values, column: Values) -> Values:
-    """Means over the bins of depth that hold rows, which removes noise and repeated or unsorted depths."""
-    # Depths are averaged like the other columns, which keeps gradients and the place of sparse rows.
-    _, step = np.unique(np.floor(depth / BIN), return_inverse=True)
-    return np.bincount(step, weights=column) / np.bincount(step)

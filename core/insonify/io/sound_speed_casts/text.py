@@ -207,7 +207,9 @@ def read_log(path: str) -> Columns:
     heads = (
         (number, find_columns(_log_cells(line.removeprefix(PREFIX)), LOG_NAMES)) for number, line in enumerate(lines)
     )
-    number, places = next(((number, places) for number, places in heads if _suffices(places)), (0, {}))
+    needed = {"depth", "pressure"}, {"sound_speed", "temperature"}  # one of each
+    sufficient = (head for head in heads if all(head[1].keys() & either for either in needed))
+    number, places = next(sufficient, (0, {}))
     if not places:
         raise FileFault("has no line that names the columns of depth or pressure, and of sound speed", LOG_REMEDY)
     numbers = {name: place for place, name in enumerate(places)}
@@ -226,10 +228,6 @@ def read_log(path: str) -> Columns:
 
 def _log_cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split("\t" if "\t" in line else ",")]
-
-
-def _suffices(places: dict[str, int]) -> bool:
-    return bool(places.keys() & {"depth", "pressure"} and places.keys() & {"sound_speed", "temperature"})
 
 
 def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:

@@ -25,7 +25,8 @@ def skin(grid: Vector, thickness: float, present: NDArray[np.bool_] | None = Non
     inner = grid - thickness * normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     there = np.ones((grid.shape[0] - 1, grid.shape[1] - 1), np.bool_) if present is None else present
     ring = np.pad(there, 1)
-    (a, b, c, d), (e, f, g, h) = (_corners(surface) for surface in (grid, inner))
+    # Corners of every plate in the sense of rotation about the outward normal.
+    (a, b, c, d), (e, f, g, h) = ((at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]) for at in (grid, inner))
     edges = [(a, b, f, e, ring[1:-1, :-2]), (b, c, g, f, ring[2:, 1:-1])]
     edges += [(c, d, h, g, ring[1:-1, 2:]), (d, a, e, h, ring[:-2, 1:-1])]
     quads = [np.stack(four, axis=-2)[there] for four in ((a, b, c, d), (h, g, f, e))]
@@ -77,11 +78,6 @@ def roughen(triangles: Triangles, height: float, seed: int) -> Triangles:
     corners, index = np.unique(np.rint(triangles.reshape(-1, 3) * 1e6), axis=0, return_inverse=True)
     moved = 1e-6 * corners + height * (2.0 * draw_shares(seed, "growth", len(corners), 3) - 1.0)
     return np.asarray(moved[index.reshape(-1)].reshape(-1, 3, 3))
-
-
-def _corners(grid: Vector) -> tuple[Vector, Vector, Vector, Vector]:
-    """Corners of every plate in the sense of rotation about the outward normal."""
-    return grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
 
 
 def _halved(quads: Vector) -> Triangles:

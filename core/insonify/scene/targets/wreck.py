@@ -141,13 +141,10 @@ class _Hull:
         y = np.maximum(half[:, None] * section - inset, 0.0) + splayed
         return np.stack([np.broadcast_to(x[:, None], z.shape), y, z], axis=-1)
 
-    def _levels(self) -> Vector:
-        """Levels of the hull's points from keel to rail, closer at the bilge."""
-        return np.linspace(0.0, 1.0, LEVELS) ** (1.0 if self._form.bulwark < 0.0 else 1.6)
-
     def shell(self, first: int, last: int) -> list[Triangles]:
         """Sides and deck between two frames."""
-        port = self._points(self._x[first : last + 1], self._levels())
+        levels = np.linspace(0.0, 1.0, LEVELS) ** (1.0 if self._form.bulwark < 0.0 else 1.6)  # closer at the bilge
+        port = self._points(self._x[first : last + 1], levels)
         around = np.concatenate([port[:, :0:-1], port * np.array([1.0, -1.0, 1.0])], axis=1)
         # Sides lose their highest strakes first, along stretches of some frames.
         worn = self._draw("sides", 2, FRAMES // 4)[:, np.arange(first, last) // 4]

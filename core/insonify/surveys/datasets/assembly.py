@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from heapq import heappush, heappushpop
@@ -54,10 +54,12 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Sequence[
         collectors = [stack.enter_context(kind.collect(folder, splits, classes)) for kind in specification.annotations]
         beside = stack.enter_context(replacing(folder / METADATA))
         metadata = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
-        for tile, scene in _tiles(folder, names):
-            metadata.write(_line(tile, scene))
-            for collect in (*collectors, totals.add, sheet.add):
-                collect(tile)
+        for report in (read_flag(folder, name) for name in names):
+            scenes = {scene["scene"]: scene for scene in report["scenes"]}
+            for tile in report["tiles"]:
+                metadata.write(_line(tile, scenes[tile["scene"]]))
+                for collect in (*collectors, totals.add, sheet.add):
+                    collect(tile)
     with replacing(folder / SHEET) as beside:
         sheet.write(beside)
     with replacing(folder / BALANCE) as beside:
@@ -67,15 +69,6 @@ def assemble(specification: DatasetSpecification, folder: Path, names: Sequence[
     with replacing(folder / CHECKSUMS) as beside:
         write_checksums(beside, folder, totals.files)
     return totals
-
-
-def _tiles(folder: Path, names: Iterable[str]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """Every tile with its scene, as jobs reported them."""
-    for name in names:
-        report = read_flag(folder, name)
-        scenes = {scene["scene"]: scene for scene in report["scenes"]}
-        for tile in report["tiles"]:
-            yield tile, scenes[tile["scene"]]
 
 
 def _line(tile: Mapping[str, Any], scene: Mapping[str, Any]) -> str:

@@ -13,8 +13,7 @@ from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
-from insonify.surveys.distributions import DistributionKind
-from insonify.surveys.distributions.kinds import OneOf, Uniform
+from insonify.surveys.distributions import DistributionKind, OneOf, Uniform
 from insonify.tow.line import tow_line_at
 
 _Placed = tuple[list[float], "View"]
@@ -128,7 +127,9 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
                 told = strange.replace("targets.0.", prefix, 1) if prefix else strange
                 raise SceneError(f"set: {told} is not a field of a scene; correct its name")
     faults = []
-    negative = _first_negative(specification)
+    # The first scene without targets of a class, 0 if there is none among the first hundred.
+    shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
+    negative = next((number for number, share in enumerate(shares) if share < specification.negatives), 0)
     for part in range(PARTS):
         share = (part + 0.5) / PARTS
         for name, model in (("chips", Chips), ("picture", Picture)):
@@ -139,12 +140,6 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
             faults.append(fault)
     if len(faults) == PARTS:
         raise faults[0]
-
-
-def _first_negative(specification: DatasetSpecification) -> int:
-    """Return the first scene without targets of a class, 0 if there is none among the first hundred."""
-    shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
-    return next((number for number, share in enumerate(shares) if share < specification.negatives), 0)
 
 
 def _paths(path: str, declared: Any) -> Iterator[str]:

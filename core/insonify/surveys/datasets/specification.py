@@ -13,8 +13,7 @@ from insonify.operating_system import is_portable
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError
 from insonify.scene.base import Declaration, FilePath, KindOf, Words, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
-from insonify.surveys.distributions import Drawn
-from insonify.surveys.distributions.kinds import Uniform
+from insonify.surveys.distributions import Drawn, Uniform
 from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -51,7 +51,8 @@ class DatasetWork:
             tiles += self._tiles_of(drawn)
             toml = scene_to_toml(drawn.scene)
             scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
-        self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
+        if tiles:
+            self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
 
     def begun(self) -> DatasetWork:
@@ -75,15 +76,10 @@ class DatasetWork:
         """Tiles of one scene that are kept, annotated."""
         wanted, classes = self.specification, self.specification.classes
         for tile in self.cut(drawn):
-            if not self._is_kept(tile.told):
+            told = tile.told
+            kept = wanted.chips is not None or told["targets"]  # always; others at random
+            if not kept and hash_share(wanted.seed, told["scene"], told["name"]) >= wanted.tiles.empty:
                 continue
             for kind in wanted.annotations:
-                tile.labels.update(kind.of_tile(tile.told, classes))
+                tile.labels.update(kind.of_tile(told, classes))
             yield tile
-
-    def _is_kept(self, told: Mapping[str, Any]) -> bool:
-        """Whether a tile is stored: with targets always, without at random."""
-        wanted = self.specification
-        if wanted.chips is not None:
-            return True
-        return bool(told["targets"]) or hash_share(wanted.seed, told["scene"], told["name"]) < wanted.tiles.empty

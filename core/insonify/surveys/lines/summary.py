@@ -98,20 +98,14 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
     mosaic = make_mosaic(swaths, wanted.cell, wanted.overlap)
     corners = None if area is None else swaths.on_map(area.corners)
     coverage = measure_coverage(mosaic, corners)
-    _write_maps(work.folder, mosaic, swaths.crs)
+    for name in ("mosaic.tif", f"mosaic{KMZ}") if swaths.crs else ("mosaic.tif",):
+        write_mosaic(work.folder / name, mosaic, swaths.crs)
+    count, band = mosaic.count.astype(np.float32), "lines that show the cell"
+    write_geotiff(work.folder / "coverage.tif", count, mosaic.corner, mosaic.cell, swaths.crs, band=band, unit="1")
     tracks = [swaths.on_map([line["start"], line["end"]]) for line in lines]
     pictures = [_draw(mosaic, tracks, corners, paint) for paint in (_paint_mosaic, _paint_coverage)]
     write_text(work.folder / PAGE, _page(work, lines, coverage, mosaic, pictures))
     return coverage
-
-
-def _write_maps(folder: Path, mosaic: Mosaic, crs: str) -> None:
-    """Write the mosaic and the number of lines of each cell on the map."""
-    write_mosaic(folder / "mosaic.tif", mosaic, crs)
-    if crs:
-        write_mosaic(folder / f"mosaic{KMZ}", mosaic, crs)
-    count, band = mosaic.count.astype(np.float32), "lines that show the cell"
-    write_geotiff(folder / "coverage.tif", count, mosaic.corner, mosaic.cell, crs, band=band, unit="1")
 
 
 def _draw(

@@ -85,34 +85,28 @@ def lay_lawnmower(area: Area) -> list[SurveyLine]:
     offsets = 0.5 * (low + high) + area.spacing * (np.arange(count) - 0.5 * (count - 1))
     spans = [_crossed(corners, offset) for offset in offsets]
     if area.turns == "in":
-        spans = _flush(spans)
+        # Lengthened, so that each ends abeam of where the next one begins.
+        for number, (one, following) in enumerate(pairwise(spans)):
+            end = 1 - number % 2  # where the line ends: the far edge of every other one
+            one[end] = following[end] = max(one[1], following[1]) if end else min(one[0], following[0])
     lines = []
     for number, (offset, span) in enumerate(zip(offsets, spans)):
         onward = number % 2 == 0
-        begin, end = (float(along) * ahead + offset * aside for along in (span if onward else span[::-1]))
+        begin, end = (along * ahead + offset * aside for along in (span if onward else span[::-1]))
         has_turn = area.turns == "in" and number < count - 1
         turn = (0.5 if onward else -0.5) * area.spacing if has_turn else 0.0
         lines.append(SurveyLine((float(begin[0]), float(begin[1])), (float(end[0]), float(end[1])), turn))
     return lines
 
 
-def _crossed(corners: NDArray[np.float64], offset: float) -> tuple[float, float]:
+def _crossed(corners: NDArray[np.float64], offset: float) -> list[float]:
     """Least and greatest distance ahead at which a line at some distance aside crosses the edges of an area."""
     found = []
     for (x, y), (x_next, y_next) in pairwise([*corners, corners[0]]):
         if min(y, y_next) <= offset <= max(y, y_next):
             share = (offset - y) / (y_next - y) if y != y_next else 0.0
             found += [x + share * (x_next - x)] if y != y_next else [x, x_next]
-    return float(min(found)), float(max(found))
-
-
-def _flush(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Lengthen lines so that each ends abeam of where the next one begins."""
-    flushed = [list(span) for span in spans]
-    for number, (one, following) in enumerate(pairwise(flushed)):
-        end = 1 - number % 2  # where the line ends: the far edge of every other one
-        one[end] = following[end] = max(one[1], following[1]) if end else min(one[0], following[0])
-    return [(low, high) for low, high in flushed]
+    return [float(min(found)), float(max(found))]
 
 
 def join_lines(lines: Sequence[SurveyLine], speed: float, ping_rate: float) -> SurveyTrack:

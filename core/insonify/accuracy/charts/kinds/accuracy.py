@@ -267,10 +267,18 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
     shown = (sweep, "rays", "march", method_settings.PLAN, STRAIGHT)
     for axes, targets in zip(grid, sorted(chart.scenes)):
         marks |= _draw_panel(axes, chart, targets, shown)
-    _limit(grid, chart)
+    floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
+    heights = [*map(_height, chart.rows), *floors]
+    grid[0].margins(x=0.08)  # room for labels
+    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
     _name_methods(figure, grid)
     for axes, targets in zip(grid, sorted(chart.scenes)):
-        _mark_floor(axes, chart, targets)
+        # Errors that the reference does not resolve.
+        reference = chart.scenes[targets].reference
+        axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
+        doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
+        moved = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
+        _write(axes, 0.012, 0.012, moved, FAINT, ha="left", va="bottom")
         _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
         labels = [
             (row.label, row.microseconds, _height(row), style.get_colour(row.method))
@@ -323,21 +331,16 @@ def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
 def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     """Draw a line through the settings of a method and a mark for each."""
     x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], style.get_colour(method)
+    family, _, variant = method.partition(", ")
     axes.errorbar(
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
     (line,) = axes.plot(
         x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else style.get_mark(method),
         markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
-        label=_name_method(method), picker=5,
+        label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method, picker=5,
     )  # fmt: skip
     return line
-
-
-def _name_method(method: str) -> str:
-    """Name of a method with the unit of its labels, in two lines."""
-    family, _, variant = method.partition(", ")
-    return f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method
 
 
 def _name_methods(figure: Figure, grid: list[Axes]) -> None:
@@ -353,23 +356,6 @@ def _name_methods(figure: Figure, grid: list[Axes]) -> None:
         list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
         fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
     )  # fmt: skip
-
-
-def _limit(grid: list[Axes], chart: AccuracyChart) -> None:
-    """Leave room for labels."""
-    floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
-    heights = [_height(row) for row in chart.rows] + floors
-    grid[0].margins(x=0.08)
-    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
-
-
-def _mark_floor(axes: Axes, chart: AccuracyChart, targets: bool) -> None:
-    """Shade the errors that the reference does not resolve."""
-    reference = chart.scenes[targets].reference
-    axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
-    doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
-    text = f"not resolved: {doubled} changed the reference by {style.format_percent(reference.moved)}"
-    _write(axes, 0.012, 0.012, text, FAINT, ha="left", va="bottom")
 
 
 def _write(axes: Axes, x: float, y: float, text: str, colour: str, **align: Any) -> None:
@@ -460,7 +446,12 @@ def _measure(
     timed = {}
     for key, one in named.items():
         progress(0.7)
-        timed[key] = _lengthen_call(one, poses)
+        # The poses are traced often enough to be timed.
+        began = thread_time()
+        one.trace(poses)
+        times = math.ceil(SHORTEST_CALL / max(thread_time() - began, 1e-6))
+        many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_PINGS // poses.x.size), 1)))
+        timed[key] = partial(one.trace, many), many.x.size
     timings = time_calls(
         {key: call for key, (call, _) in timed.items()},
         seconds=TIMING,
@@ -497,14 +488,3 @@ def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], Non
     half, whole = trace(RAYS_OF_TRIANGLES // 2), trace(RAYS_OF_TRIANGLES)
     moved = compare_records(arrays, poses, half, whole)
     return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
-
-
-def _lengthen_call(
-    one: method_settings.MethodSetting, poses: Poses
-) -> tuple[Callable[[], method_settings.Record], int]:
-    """Call that traces the poses often enough to be timed, and the number of pings that it traces."""
-    began = thread_time()
-    one.trace(poses)
-    times = math.ceil(SHORTEST_CALL / max(thread_time() - began, 1e-6))
-    many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_PINGS // poses.x.size), 1)))
-    return partial(one.trace, many), many.x.size

@@ -83,7 +83,6 @@ def graded_rows(
     materials: Sequence[Material], frequency: float | None
 ) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
     """Names and scattering parameters of equal steps from the first material through the others to the last."""
-    # A name gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``.
     levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
     given = [material.reflectivity_at(frequency) for material in materials]
     columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]
@@ -93,7 +92,13 @@ def graded_rows(
         Reflectivity(*map(float, numbers))._replace(speckle_shape=None if math.isnan(mixed) else 1.0 / float(mixed))
         for *numbers, mixed in zip(*columns, np.interp(levels, whole, spiky))
     )
-    return tuple(_mixture(materials, float(level)) for level in levels), rows
+    names = []  # each gives the percentages of the two materials of a mixture: ``25.1_silt+74.9_rock``
+    for level in levels:
+        low = int(level)
+        share = 100.0 * (float(level) - low)
+        first = materials[low].name
+        names.append(f"{100.0 - share:.1f}_{first}+{share:.1f}_{materials[low + 1].name}" if share > 0.0 else first)
+    return tuple(names), rows
 
 
 def _fitted(vector: WaveVector, cells: Cells) -> WaveVector:
@@ -115,12 +120,3 @@ def _cells(waves: Sequence[float], near: float, spacing: float, fewest: int, mos
     best = float(worst.min())
     enough = LIKE if best <= LIKE else max(best, near)
     return fewest + int(np.argmax(worst <= enough))
-
-
-def _mixture(materials: Sequence[Material], level: float) -> str:
-    """Name a row between two materials by their percentages."""
-    low = int(level)
-    share = 100.0 * (level - low)
-    if share == 0.0:
-        return materials[low].name
-    return f"{100.0 - share:.1f}_{materials[low].name}+{share:.1f}_{materials[low + 1].name}"

@@ -12,7 +12,7 @@ from insonify.files import kept_until_changed
 from insonify.io.bathymetry import Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import check_regular, guarded
-from insonify.io.georeference import Georeference, project
+from insonify.io.georeference import project
 from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
@@ -130,7 +130,9 @@ class BackscatterMap(CompositeMap, kind="backscatter", rank=6):
                 "has no position on the bed",
                 "give a raster with coordinates, and world.origin and world.crs or a measured bed",
             )
-        x, y = _on_its_map(grid, cells.place, *np.meshgrid(*cells.centres()))
+        x, y = (local + offset for local, offset in zip(np.meshgrid(*cells.centres()), cells.place.origin))
+        if cells.place.crs and grid.crs and cells.place.crs != grid.crs:
+            x, y = project(cells.place.crs, grid.crs, x, y)
         rows, columns = classes.shape
         i = np.floor((x - grid.corner[0]) / grid.spacing[0] + 0.5).astype(np.int64)
         j = np.floor((y - grid.corner[1]) / grid.spacing[1] + 0.5).astype(np.int64)
@@ -165,11 +167,3 @@ def _read_classes(path: str, count: int, levels: tuple[float, ...]) -> tuple[Gri
         values = values[tuple(nearest)]
     cuts = np.array(levels) if levels else np.quantile(grid.heights[known], np.arange(1, count) / count)
     return grid, np.searchsorted(cuts, values, side="right").astype(np.uint8)
-
-
-def _on_its_map(
-    grid: Grid, place: Georeference, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Transform local coordinates to the map of the raster."""
-    x, y = x + place.origin[0], y + place.origin[1]
-    return project(place.crs, grid.crs, x, y) if place.crs and grid.crs and place.crs != grid.crs else (x, y)

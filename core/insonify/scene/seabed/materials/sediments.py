@@ -51,7 +51,11 @@ class Fit(NamedTuple):
 
 def model_strength(sediment: Sediment, frequency: float, grazing: Curve) -> Curve:
     """Backscattering cross section of a square metre, as a ratio, by the grazing angle in radians."""
-    return _of_interface(sediment, frequency, grazing) + _of_volume(sediment, grazing)
+    # The volume scatters sound that is transmitted twice through a level interface: APL-UW TR 9407, IV.
+    vertical, reflected = _vertical(sediment, grazing), reflection(sediment, grazing)
+    numerator = 5.0 * sediment.loss * sediment.volume * np.abs(1.0 - reflected**2) ** 2 * np.sin(grazing) ** 2
+    of_volume = numerator / (sediment.speed_ratio * math.log(10.0) * np.abs(vertical) ** 2 * vertical.imag)
+    return np.asarray(_of_interface(sediment, frequency, grazing) + of_volume)
 
 
 def scattering_strength(numbers: Sequence[Any], cos_incidence: Curve) -> Curve:
@@ -100,14 +104,6 @@ def _of_interface(sediment: Sediment, frequency: float, grazing: Curve) -> Curve
     structure = 2.0 * math.pi * spectral_strength * steepness
     roughness = 0.5 * structure * (2.0 * wave_number * sine) ** 2 * across ** (-2.0 * alpha)
     return np.asarray(first_order * diffraction_integral(roughness, alpha) * steepness / (2.0 * roughness))
-
-
-def _of_volume(sediment: Sediment, grazing: Curve) -> Curve:
-    """Strength of the volume, of sound that is transmitted twice through a level interface: APL-UW TR 9407, IV."""
-    vertical = _vertical(sediment, grazing)
-    reflected = reflection(sediment, grazing)
-    numerator = 5.0 * sediment.loss * sediment.volume * np.abs(1.0 - reflected**2) ** 2 * np.sin(grazing) ** 2
-    return np.asarray(numerator / (sediment.speed_ratio * math.log(10.0) * np.abs(vertical) ** 2 * vertical.imag))
 
 
 def reflection(sediment: Sediment, grazing: Curve) -> NDArray[np.complex128]:

@@ -173,7 +173,10 @@ def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float
     if fractal.decay == "isotropic":  # Models 1 and 2: F^−β
         return _level(dx**2 + dy**2, hard) ** -beta_x
     if fractal.decay != "separable":
-        dx, dy = _along_peak(dx, dy, peak)
+        # Along and across the direction of the peak from zero frequency.
+        length = math.hypot(*peak)
+        cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
+        dx, dy = cosine * dx + sine * dy, cosine * dy - sine * dx
     if fractal.decay == "elliptic":
         return _elliptic(dx, dy, beta_x, beta_y, hard)
     # Model 3: |Δfx|^−βx |Δfy|^−βy, along the axes or, rotated, along the peak's own direction
@@ -183,13 +186,6 @@ def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float
 def _level(squared: Field, hard: bool) -> Field:
     """Squared distance in cycles per period, limited to at least 1 (hard) or increased by 1 (soft)."""
     return np.maximum(squared, 1.0) if hard else 1.0 + squared
-
-
-def _along_peak(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field, Field]:
-    """Distances along and across the direction of a peak from zero frequency."""
-    length = math.hypot(*peak)
-    cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
-    return cosine * dx + sine * dy, cosine * dy - sine * dx
 
 
 def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: bool) -> Field:

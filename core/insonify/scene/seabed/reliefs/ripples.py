@@ -13,7 +13,6 @@ from insonify.scene.seabed.reliefs.spectrum import (
     Density,
     Field,
     PeriodicWaves,
-    Waves,
     rotate_frequencies,
     row_groups,
 )
@@ -77,18 +76,15 @@ class Ripples(ExtendableRelief, kind="ripples", rank=50):
 
         made = density_waves(about_both, self.period, waves)
         level = math.sqrt(2.0 * waves.variance(made))
-        imaginary, heights = waves.field(self._quarter_on(made, *waves.frequencies())), waves.field(made)
-        for rows in row_groups(len(heights)):
-            heights[rows] = self.shape_waves(heights[rows], imaginary[rows], level)
-        return heights
-
-    def _quarter_on(self, made: Waves, fx: Field, fy: Field) -> Waves:
-        """Turn waves by a quarter of a cycle: the Hilbert transform across the crests."""
-        turned = np.empty_like(made)
+        # Turned by a quarter of a cycle: the Hilbert transform across the crests.
+        (fx, fy), turned = waves.frequencies(), np.empty_like(made)
         for rows in row_groups(len(made)):
             _, across = rotate_frequencies(fx, fy[rows], self.heading)
             np.multiply(-1j * np.sign(across), made[rows], out=turned[rows])
-        return turned
+        imaginary, heights = waves.field(turned), waves.field(made)
+        for rows in row_groups(len(heights)):
+            heights[rows] = self.shape_waves(heights[rows], imaginary[rows], level)
+        return heights
 
     def bands(self) -> tuple[Band, ...]:
         """Return the band about the mean wave."""

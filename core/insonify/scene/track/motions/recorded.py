@@ -1,7 +1,6 @@
 """A recorded tow."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.files import kept_until_changed
 from insonify.io.navigation import RecordedNavigation, read_navigation
@@ -29,13 +28,10 @@ def _read_with_course(path: str) -> RecordedNavigation:
     tow = read_navigation(path)
     if "x" not in tow.columns or "heading" in tow.columns:
         return tow
-    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)}, tow.place)
-
-
-def _course(tow: RecordedNavigation) -> NDArray[np.float64]:
-    """Course in degrees from successive positions, for files without a heading."""
+    # A file without a heading has the course from successive positions.
     east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
     moving = (east != 0.0) | (north != 0.0)
     # At rest the fish keeps its last course; before the first move it has the first one.
     last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
-    return np.degrees(np.arctan2(north, east))[last]
+    heading = np.degrees(np.arctan2(north, east))[last]
+    return RecordedNavigation(tow.time, {**tow.columns, "heading": heading}, tow.place)
