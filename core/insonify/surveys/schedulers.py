@@ -83,7 +83,7 @@ def claim_build(flags: Path, build: Build) -> Build:
     final = flags / RECORD
     if in_store(final):
         if (first := read_build(flags)) is None:
-            final.write_text(json.dumps(build._asdict()), encoding="utf-8")
+            final.write_bytes(json.dumps(build._asdict()).encode())
         return first or build
     flags.mkdir(parents=True, exist_ok=True)
     with unfinished_folder(final) as folder:

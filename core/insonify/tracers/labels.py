@@ -103,9 +103,11 @@ def trace_labels(
             leaked[name] = np.where(louder, getattr(labels, name)[:, ::-1], getattr(labels, name))
         leaked["path"][louder] = PATHS.index("crosstalk")
         labels = labels._replace(**leaked)
+    if volumes is None:
+        return labels
     # The volume of the greatest echo, where that exceeds the contributor's.
     greatest = np.maximum(found.energy, crosstalk * found.energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
-    for number, own in enumerate(() if volumes is None else volumes):
+    for number, own in enumerate(volumes):
         received = np.maximum(own, crosstalk * own[:, ::-1])
         labels.volume_id[received > greatest] = number
         greatest = np.maximum(received, greatest)
