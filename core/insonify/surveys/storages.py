@@ -40,7 +40,7 @@ class StorageKind(Kind):
 
     @abstractmethod
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
-        """Write the tiles of one job, at least one and all of one split, and note where each is: ``told["file"]``.
+        """Write the tiles of one job, and enter the file of each image into its description, as ``told["file"]``.
 
         Parameters
         ----------
@@ -51,6 +51,7 @@ class StorageKind(Kind):
         shelf : str
             Folder that jobs of nearby numbers share.
         tiles : sequence of Tile
+            At least one; all belong to one split.
         """
 
     @abstractmethod
@@ -90,7 +91,10 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
             for tile in tiles:
                 tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.told['name']}.png"
-                members = {".mask" * (of == MASKS) + suffix: held for of, (suffix, held) in _members(tile).items()}
+                members = {
+                    f".mask{suffix}" if beside == MASKS else suffix: content
+                    for beside, (suffix, content) in _members(tile).items()
+                }
                 # WebDataset groups members up to the first dot.
                 for ending, content in (members | {".json": json.dumps(tile.told).encode()}).items():
                     entry = tarfile.TarInfo(tile.told["name"] + ending)

@@ -67,8 +67,8 @@ def refine_reference(
         moved = by.beyond
         smallest = min(compare_records(arrays, poses, other, finer).beyond for other in shown)
         left = seconds - (process_time() - began)
-        # Doublings that divide the change as far as it takes, that the time allows, and that the memory allows. Several
-        # begin with a pair of counts.
+        # The change must become small enough; time and memory limit how often the number of rays is doubled. After
+        # more than one doubling, a new pair of counts is traced.
         needed = max(math.log2(RESOLVED * moved / smallest) / order, 1.0) if moved > 0.0 < smallest else 64.0
         affordable = max(math.log2(left / per_ray / (3 * count)), 1.0) if left / per_ray >= 4 * count else 0.0
         doublings = min(math.ceil(needed), int(affordable), int(math.log2(most / (2 * count))))

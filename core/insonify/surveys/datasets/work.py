@@ -76,10 +76,12 @@ class DatasetWork:
         """Tiles of one scene that are kept, annotated."""
         wanted, classes = self.specification, self.specification.classes
         for tile in self.cut(drawn):
-            told = tile.told
-            kept = wanted.chips is not None or told["targets"]  # always; others at random
-            if not kept and hash_share(wanted.seed, told["scene"], told["name"]) >= wanted.tiles.empty:
+            description = tile.told
+            # Chips, and tiles with targets, are always kept; a share of the empty tiles is kept at random.
+            always = wanted.chips is not None or description["targets"]
+            share = hash_share(wanted.seed, description["scene"], description["name"])
+            if not always and share >= wanted.tiles.empty:
                 continue
             for kind in wanted.annotations:
-                tile.labels.update(kind.of_tile(told, classes))
+                tile.labels.update(kind.of_tile(description, classes))
             yield tile
