@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Reals, Singles
 from insonify.io.georeference import Georeference, to_degrees
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ TARGET_TRUTH = {
 CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
-def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], sound_speed: float) -> dict[str, Any]:
+def coordinates(times: Floats, slant_range: Reals, sound_speed: float) -> dict[str, Any]:
     """Return a record's coordinates."""
     travel_time = 2.0 * slant_range / sound_speed
     return {
@@ -57,7 +58,7 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
     }
 
 
-def platform(columns: Iterable[NDArray[np.float64]], place: Georeference | None = None) -> dict[str, Any]:
+def platform(columns: Iterable[Floats], place: Georeference | None = None) -> dict[str, Any]:
     """Return the variables of the sonar's position and attitude."""
     found = {name: ("ping_time", column, labels(*text)) for (name, text), column in zip(PLATFORM.items(), columns)}
     if place is not None and place.crs:
@@ -85,7 +86,7 @@ def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     return joined.assign({name: blocks[-1][name] for name in TARGET_TRUTH if name in joined})
 
 
-def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
+def echo_variable(intensity: Singles) -> dict[str, Any]:
     """Return the variable that holds the echoes."""
     attributes = labels("1", "echo intensity, linear, before display gain")
     return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), attributes)}

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.sonar.beams.line_array import LineArray
 
@@ -77,7 +77,7 @@ def _ping_spacing(scene: Scene) -> float:
     return scene.track.speed / scene.sonar.ping_rate
 
 
-def _edges(scene: Scene) -> NDArray[np.float64]:
+def _edges(scene: Scene) -> Floats:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
 
@@ -100,7 +100,7 @@ def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
     return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
 
 
-def _between(measure: Callable[[NDArray[np.float64]], float]) -> Callable[..., float]:
+def _between(measure: Callable[[Floats], float]) -> Callable[..., float]:
     """Measure the intensity between two slant ranges, (sides, pings, bins)."""
 
     def measured(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
@@ -110,26 +110,26 @@ def _between(measure: Callable[[NDArray[np.float64]], float]) -> Callable[..., f
     return measured
 
 
-def _contrast(within: NDArray[np.float64]) -> float:
+def _contrast(within: Floats) -> float:
     """Spread of the mean over pings about a parabola of the logarithms, which takes off its fall with range."""
     mean = within.mean(axis=(0, 1))
     logarithm, place = np.log(np.maximum(mean, 1e-30)), np.linspace(-1.0, 1.0, mean.size)
     return float(np.std(logarithm - np.polyval(np.polyfit(place, logarithm, 2), place)))
 
 
-def _along_contrast(within: NDArray[np.float64]) -> float:
+def _along_contrast(within: Floats) -> float:
     louder = max(within, key=np.max)
     return float(louder.std(axis=0).mean() / louder.mean())
 
 
-def _along_period(within: NDArray[np.float64]) -> float:
+def _along_period(within: Floats) -> float:
     """Pings per wave at the peak of the spectrum along the track."""
     louder = max(within, key=np.max)
     power = np.square(np.abs(np.fft.rfft(louder - louder.mean(axis=0), axis=0))).sum(axis=1)
     return len(louder) / float(power.argmax())
 
 
-def _echoes(within: NDArray[np.float64]) -> float:
+def _echoes(within: Floats) -> float:
     """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
     strongest = max(within, key=np.max).max(axis=1)
     loud = strongest > 0.25 * strongest.max()

@@ -8,8 +8,9 @@ import numpy as np
 
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.water import absorption_coefficient
+from insonify.arrays import Floats
 from insonify.kernels.common.streams import REVERBERATION
-from insonify.receiver.stage import Curve, ReceiverSetup, Sound, Stage, power
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage, power
 from insonify.receiver.waves import WaveField
 from insonify.scene.receiver.gains import RangeBins
 
@@ -97,7 +98,7 @@ class TimeVariedGain(Stage):
     """Gain of every bin after detection."""
 
     name, detail, rank = "time-varied gain", "of this bin", 90.0
-    curve: Curve  # (bins,) factors of intensity
+    curve: Floats  # (bins,) factors of intensity
 
     @classmethod
     def prepare(cls, setup: ReceiverSetup) -> TimeVariedGain | None:
@@ -106,7 +107,7 @@ class TimeVariedGain(Stage):
         return cls(curve) if (curve != 1.0).any() else None
 
     @property
-    def gain(self) -> Curve:
+    def gain(self) -> Floats:
         """Factor of every bin, (bins,)."""
         return self.curve
 
@@ -115,7 +116,7 @@ class TimeVariedGain(Stage):
         sound.energy = sound.energy * self.curve.astype(np.float32)
 
 
-def time_varied_gain(setup: ReceiverSetup) -> Curve:
+def time_varied_gain(setup: ReceiverSetup) -> Floats:
     """Factor of intensity by which the time-varied gain raises every bin, (bins,)."""
     scene, declared = setup.scene, setup.scene.receiver.tvg
     r = bin_centres(setup.arrays)

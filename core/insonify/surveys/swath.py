@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
@@ -26,11 +26,11 @@ SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
 class Swath:
     """The pings of a record as lines on the map, from below the sonar to the farthest ground range."""
 
-    nadir: NDArray[np.float64]  # (pings, 2) easting and northing below the sonar, in metres
-    ends: NDArray[np.float64]  # (pings, 2, 2) of the far ends of both sides, port first
+    nadir: Floats  # (pings, 2) easting and northing below the sonar, in metres
+    ends: Floats  # (pings, 2, 2) of the far ends of both sides, port first
     reach: float  # ground range of the far ends, in metres
-    altitude: NDArray[np.float64]  # (pings,) in metres
-    amplitude: NDArray[np.float32]  # (pings, 2, bins) relative to the median of the record at that slant range
+    altitude: Floats  # (pings,) in metres
+    amplitude: Singles  # (pings, 2, bins) relative to the median of the record at that slant range
     bin_length: float  # in metres of slant range
 
     @property
@@ -39,7 +39,7 @@ class Swath:
         steps = np.hypot(*np.diff(self.nadir, axis=0).T)
         return float(np.median(steps)) if steps.size else 0.0
 
-    def energy(self, ping: int, ground_range: NDArray[np.float64]) -> NDArray[np.float64]:
+    def energy(self, ping: int, ground_range: Floats) -> Floats:
         """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin."""
         # A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
         slant = np.hypot(ground_range, self.altitude[ping])
@@ -84,7 +84,7 @@ def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES
     return Swath(mapped[0], np.stack(mapped[1:], axis=1), reach, heights, amplitude, bin_length)
 
 
-def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float64]:
+def _altitudes(name: str, record: xr.Dataset, altitude: str) -> Floats:
     if altitude == ALTITUDES[0]:
         found = find_altitude(record)
     elif BOTTOM_TRACK in record:
@@ -96,7 +96,7 @@ def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float
     return found
 
 
-def _headings(record: xr.Dataset) -> NDArray[np.float64]:
+def _headings(record: xr.Dataset) -> Floats:
     """Headings in degrees counter-clockwise from +x; the course over ground without a compass."""
     heading = record["platform_heading"].values
     if np.isfinite(heading).all():
@@ -106,9 +106,7 @@ def _headings(record: xr.Dataset) -> NDArray[np.float64]:
     return np.where(np.isfinite(heading), heading, np.degrees(np.arctan2(steps[1], steps[0])))
 
 
-def put_on_map(
-    name: str, place: Georeference | None, crs: str, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def put_on_map(name: str, place: Georeference | None, crs: str, x: Floats, y: Floats) -> Floats:
     """Transform positions of a record to the map."""
     if place is None:
         if crs:

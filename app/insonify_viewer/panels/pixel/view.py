@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.buttons import make_label
@@ -42,7 +42,6 @@ LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
 
-Points = NDArray[np.float64]
 WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", ACCENT_IN_WATER, "#0a0604"
 BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
 ARC = 96  # points of the ring of equal slant range
@@ -121,7 +120,7 @@ class SectionScales:
         y = self.area.bottom() - (height - self.low) / (self.high - self.low) * self.area.height()
         return QPointF(self.area.left() + share * self.area.width(), y)
 
-    def polygon(self, points: Points) -> QPolygonF:
+    def polygon(self, points: Floats) -> QPolygonF:
         """Pixels of (n, 2) ground ranges and heights."""
         return QPolygonF([self.at(x, z) for x, z in points.tolist()])
 
@@ -183,7 +182,7 @@ def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) 
         _name_target(painter, scales, name, face)
 
 
-def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Points) -> None:
+def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Floats) -> None:
     """Write the name of a target above it and beyond, where the ray from the sonar does not cross it."""
     top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
     place = scales.at(float(top[0]), float(top[1]))
@@ -205,7 +204,7 @@ def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection,
 
 def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection, explanation: PixelExplanation) -> None:
     """Paint rays, and where they lead."""
-    drawn: list[tuple[str, tuple[Points, ...], Points]] = [
+    drawn: list[tuple[str, tuple[Floats, ...], Floats]] = [
         (BLOCKED, each.rays[:1], each.places) for each in explanation.obstructions
     ]
     drawn += [(MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
@@ -235,13 +234,13 @@ def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSectio
             painter.drawText(QRectF(0.0, y - 0.5 * high, area.left() - 6.0, high), right, f"{depth:g} m")
 
 
-def _flat(section: CrossSection, points: Points) -> Points:
+def _flat(section: CrossSection, points: Floats) -> Floats:
     """Ground range and height of places in local coordinates, (n, 3) to (n, 2)."""
     level = points[:, :2] - section.sonar.place[:2]
     return np.column_stack([np.hypot(level[:, 0], level[:, 1]), points[:, 2]])
 
 
-def _lines(scales: SectionScales, segments: Points) -> list[QPointF]:
+def _lines(scales: SectionScales, segments: Floats) -> list[QPointF]:
     """Pixels of the beginnings and ends of segments, in turns."""
     return [scales.at(x, z) for x, z in segments.reshape(-1, 2).tolist()]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -19,6 +18,7 @@ from PySide6.QtGui import (
     QResizeEvent,
 )
 
+from insonify.arrays import Floats
 from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits, describe_eigenray, place_along_axis
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_overlays import draw_cross
@@ -431,7 +431,7 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, line)
 
 
-def _polygon(frame: PlotScales, distance: NDArray[np.float64], depth: NDArray[np.float64]) -> QPolygonF:
+def _polygon(frame: PlotScales, distance: Floats, depth: Floats) -> QPolygonF:
     area = frame.water
     x = area.left() + np.asarray(distance) / frame.reach * area.width()
     y = area.top() + np.asarray(depth) / frame.bottom * area.height()

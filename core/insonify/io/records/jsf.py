@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes, Singles
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
 from insonify.io.records import recording
@@ -85,7 +86,7 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     return recording.assemble(path, list(sides.values()), track)
 
 
-def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
+def _traces(path: Path, content: Bytes) -> Iterator[_Trace]:
     """Yield the side-scan traces, message by message."""
     at, whole = 0, 0
     while at < content.size:
@@ -103,7 +104,7 @@ def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
         at += MESSAGE.itemsize + body.size
 
 
-def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
+def _trace(message: Any, body: Bytes) -> _Trace:
     """Scale the samples of a message and determine their slant range."""
     if body.size < TRACE.itemsize:
         raise FileFault("has a ping too short for its header", "export it again")
@@ -124,7 +125,7 @@ def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
-def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _envelope(header: Any, count: int, body: Bytes) -> Singles:
     """Return the amplitudes of a message."""
     kind = int(header["format"])
     if kind not in (ENVELOPE, ANALYTIC):
@@ -170,7 +171,7 @@ def _fixes(headers: NDArray[Any]) -> recording.Fixes:
     return recording.Fixes(x, y, unit == MINUTES)
 
 
-def _valid(headers: NDArray[Any], bit: int) -> NDArray[np.bool_]:
+def _valid(headers: NDArray[Any], bit: int) -> Booleans:
     """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the classes of targets follow in order
-Region = NDArray[np.bool_]
 
 
 class TargetShown(NamedTuple):
@@ -40,7 +40,7 @@ class RecordSide(NamedTuple):
     """One side of a record, (pings, bins) each."""
 
     image: NDArray[np.unsignedinteger]
-    mask: NDArray[np.uint8]
+    mask: Bytes
     echo_id: NDArray[np.int16]
     shadow_id: NDArray[np.int16]
     targets: list[TargetShown]
@@ -149,7 +149,7 @@ def targets_within(side: RecordSide, ping: int, first: int, tiles: Tiles) -> Ite
             yield {**description, "shown": round(shown / area, 4), **regions}
 
 
-def describe_region(region: Region) -> dict[str, Any] | None:
+def describe_region(region: Booleans) -> dict[str, Any] | None:
     """Box, area and run lengths of a region of a tile; None of an empty one."""
     rows, columns = np.flatnonzero(region.any(axis=1)), np.flatnonzero(region.any(axis=0))
     if not rows.size:
@@ -162,7 +162,7 @@ def describe_region(region: Region) -> dict[str, Any] | None:
     }
 
 
-def run_lengths(region: Region) -> list[int]:
+def run_lengths(region: Booleans) -> list[int]:
     """Lengths of runs down the columns of a region, alternately outside and inside, first outside."""
     down = region.ravel(order="F")
     changes = np.flatnonzero(down[1:] != down[:-1]) + 1

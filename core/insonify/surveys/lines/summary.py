@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats
 from insonify.display.picture import load_palette
 from insonify.io.atomic import write_text
 from insonify.io.georeference import find_georeference
@@ -58,13 +58,13 @@ class StoredSwaths(Collection[Swath]):
     def __iter__(self) -> Iterator[Swath]:
         return (lay_swath(os.path.basename(path), read_record(path), self.crs) for path in self._paths)
 
-    def on_map(self, points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    def on_map(self, points: Sequence[tuple[float, float]]) -> Floats:
         """Map points of the scene to the map of the swaths, (n, 2)."""
         x, y = np.array(points, dtype=np.float64).T
         return put_on_map(self._paths[0], self.place, self.crs, x, y)
 
 
-def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Coverage:
+def measure_coverage(mosaic: Mosaic, corners: Floats | None) -> Coverage:
     """Measure the share of an area that the lines of a survey cover."""
     square = mosaic.cell**2
     if corners is None:
@@ -78,7 +78,7 @@ def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Cov
     return Coverage(area, *shares)
 
 
-def _cells_within(mosaic: Mosaic, corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _cells_within(mosaic: Mosaic, corners: Floats) -> Booleans:
     """Mask of the cells of a mosaic with their centres within an area, (rows, columns)."""
     # lazy: slow to import
     from skimage.draw import polygon2mask
@@ -110,8 +110,8 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
 
 def _draw(
     mosaic: Mosaic,
-    tracks: Sequence[NDArray[np.float64]],
-    corners: NDArray[np.float64] | None,
+    tracks: Sequence[Floats],
+    corners: Floats | None,
     paint: Callable[[Any, Mosaic, tuple[float, ...]], None],
 ) -> bytes:
     """Draw the mosaic or the coverage, with the lines and the area, as PNG."""

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from numba import njit, prange
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, faint, inked, ours, panel, table
 from insonify.accuracy.stability.level_scenes import ball_at, error_message, level_arrays, make_ground, make_level_scene
+from insonify.arrays import Floats, Singles
 from insonify.compiler.jit import FAST
 from insonify.scene import load_scene
 from insonify.simulation import prepare
@@ -22,7 +22,6 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Arithmetic", 11)
-Values = NDArray[np.float64]
 
 
 @THEME.case(
@@ -51,7 +50,7 @@ def _terraces() -> Measured:
     ))  # fmt: skip
 
 
-def _next_hit(origin: Values, direction: Values, centre: Values, radius: float) -> Values:
+def _next_hit(origin: Floats, direction: Floats, centre: Floats, radius: float) -> Floats:
     """Distances to a sphere in front, by the quadratic formula; infinite where there is none."""
     offset = origin - centre
     half, rest = (offset * direction).sum(axis=1), (offset**2).sum(axis=1) - radius**2
@@ -101,7 +100,7 @@ def _self_hits() -> Measured:
     return Measured(percent(met), own, draw)
 
 
-def _mean_of_known(values: Values) -> float:
+def _mean_of_known(values: Floats) -> float:
     """Mean of the values that are not NaN."""
     total, count = 0.0, 0
     for k in range(values.size):
@@ -147,7 +146,7 @@ def _missing_results() -> float:
     compiled = njit(_root)
 
     @njit(parallel=True)
-    def roots(values: Values, out: Values) -> None:
+    def roots(values: Floats, out: Floats) -> None:
         for k in prange(values.size):
             out[k] = compiled(values[k])  # type: ignore[call-overload]
 
@@ -194,7 +193,7 @@ def _threads() -> Measured:
     rng = np.random.default_rng(2)
     energies, places = rng.random(20_000, dtype=np.float32), rng.integers(0, 200, 20_000)
 
-    def add_up(workers: int) -> NDArray[np.float32]:
+    def add_up(workers: int) -> Singles:
         """Sum echoes into bins in float32: each worker a share, then one share after the other."""
         total = np.zeros(200, dtype=np.float32)
         for share, where in zip(np.array_split(energies, workers), np.array_split(places, workers)):

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, inked, ours, panel
@@ -21,6 +20,7 @@ from insonify.accuracy.stability.level_scenes import (
 from insonify.acoustics.flat_bed import along_track_width
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
+from insonify.arrays import Floats
 from insonify.display.style import FAINT
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, NO_DECAY, SceneArrays, still_water
@@ -32,14 +32,13 @@ from insonify.scene.targets.bodies import Sphere
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate
 
-Values = NDArray[np.float64]
 BEAMS = StabilityTheme("Beams", 8)
 FARTHEST = 3  # index of the farthest ball of the scene
 LAX = 1.0  # tolerance at which planes may lie farther apart than a ball is wide
 ALIKE = {"target_planes": "0"}  # no planes for targets alone
 
 
-def _worst_error(values: Values, exact: Values | float) -> float:
+def _worst_error(values: Floats, exact: Floats | float) -> float:
     """Greatest deviation from exact values, in per cent."""
     return float(100.0 * np.abs(values / exact - 1.0).max())
 
@@ -79,7 +78,7 @@ def _few_planes() -> Measured:
 FAR_BINS = 200
 
 
-def _contrast(scene: Scene) -> Values:
+def _contrast(scene: Scene) -> Floats:
     """Far bins of the port record over their mean, less 1, pings by bins."""
     record = simulate(scene).intensity.values[0, :, -FAR_BINS:].astype(np.float64)
     return np.asarray(record / record.mean(axis=0) - 1.0)
@@ -102,7 +101,7 @@ def _beats() -> Measured:
     fan = {"sonar.beam": {"kind": "fan", "width": width}}
     records = [_contrast(edit(scene, change)) for change in ({}, fan, {"track.speed": slowly * scene.track.speed})]
 
-    def contrast(record: Values) -> float:
+    def contrast(record: Floats) -> float:
         """Contrast of all wavelengths beyond four ripples, in per cent."""
         waves = np.fft.rfft(record, axis=0)
         long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / (relief.period / relief.peaks[0][0])
@@ -253,7 +252,7 @@ DEPTH = 20.0  # m, of the sonar beneath the sea surface
 RAISED = 2.0 * DEPTH  # m, of the sonar's image in the surface above the sonar
 
 
-def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
+def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Floats:
     """Echo of one side out by the surface and back straight, (bins,), without the record's spreading."""
     switches = {way: way == "surface_bottom" for way in WAYS}
     sea = RoughSurface(**switches, wind_speed=wind_speed) if wind_speed > 0.0 else FlatSurface(**switches)
@@ -263,7 +262,7 @@ def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
     return sweep_port(under, pose, planes=1) - sweep_port(bare, pose, planes=1)
 
 
-def _pair_range(x: Values | float) -> Values:
+def _pair_range(x: Floats | float) -> Floats:
     """Slant range of a level bed's echo out by the surface and back straight."""
     return 0.5 * np.asarray(np.hypot(x, ALTITUDE) + np.hypot(x, ALTITUDE + RAISED))
 
@@ -280,7 +279,7 @@ END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it count
     right=Approach("Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1),
 )
 def _waves() -> Measured:
-    def over(heights: Values, end: float) -> SceneArrays:
+    def over(heights: Floats, end: float) -> SceneArrays:
         changes = {"sonar.range": end, "sonar.bins": round(20.0 * end)}
         return arrays_over(heights, 0.1, x0=-0.2, y0=0.0, changes=changes)
 
@@ -341,7 +340,7 @@ CENTRE, RADIUS = (12.0, -9.0), 0.6  # m, of a ball: ground range, height above t
 FACETS, FINE_FACETS = 24, 100_000
 
 
-def _radiances(facets: int) -> tuple[Values, Values, float]:
+def _radiances(facets: int) -> tuple[Floats, Floats, float]:
     """Slant ranges at the ends of facets of a ball, Lambert's radiance for both images in their middles, and its sum.
 
     Facets are denser towards the edges; the radiance is 0 where the facet is hidden from the higher image.
@@ -352,7 +351,7 @@ def _radiances(facets: int) -> tuple[Values, Values, float]:
     borders = -edge * np.cos(np.pi * np.arange(facets + 1) / facets)
     off = 0.5 * (borders[1:] + borders[:-1])
 
-    def legs(angle: Values) -> tuple[Values, Values, Values]:
+    def legs(angle: Floats) -> tuple[Floats, Floats, Floats]:
         root = np.sqrt(np.clip(RADIUS**2 - (distance * np.sin(angle)) ** 2, 0.0, None))
         near = distance * np.cos(angle) - root
         px, pz = near * np.cos(middle + angle), near * np.sin(middle + angle)
@@ -392,6 +391,6 @@ def _light_at_an_edge() -> Measured:
     ))  # fmt: skip
 
 
-def _corners(ends: Values) -> Values:
+def _corners(ends: Floats) -> Floats:
     """Both ends of each facet, facet by facet."""
     return np.ravel(np.column_stack([ends[:-1], ends[1:]]))

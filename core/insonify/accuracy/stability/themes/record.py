@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import (
@@ -23,6 +22,7 @@ from insonify.accuracy.stability.drawing import (
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.style import FAINT
@@ -31,12 +31,11 @@ from insonify.kernels.common.types import SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 
-Values = NDArray[np.float64]
 RANGE_BINS = StabilityTheme("Range bins", 4)
 BINS, BIN = 3000, 0.05
 
 
-def _sum_in_single_precision(edges: Values, density: Values) -> Values:
+def _sum_in_single_precision(edges: Floats, density: Floats) -> Floats:
     """Add up in float32 the steps of a density at the edges of its pieces."""
     steps = np.zeros(BINS + 1, dtype=np.float32)
     place = np.minimum((edges / BIN).astype(np.int64), BINS)
@@ -45,7 +44,7 @@ def _sum_in_single_precision(edges: Values, density: Values) -> Values:
     return np.cumsum(steps[:BINS], dtype=np.float32).astype(np.float64)
 
 
-def _level_bed(height: float, reach: float) -> tuple[Values, Values, Values, Values]:
+def _level_bed(height: float, reach: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Pieces of a level bed: ends on the ground and in slant range, middles, and Lambert energy over their range."""
     x = np.arange(0.0, reach, 0.1)
     edges = np.hypot(x, height)
@@ -235,7 +234,7 @@ def _gain() -> Measured:
     ))  # fmt: skip
 
 
-def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
+def _albedos(incidences: Floats, shininess: float) -> tuple[Floats, Floats]:
     """Albedo by incidence, with the lobe as computer graphics defines it and with the normalised lobe."""
     cosine = (np.arange(120) + 0.5) / 120.0
     around = (np.arange(120) + 0.5) / 120.0 * 2.0 * math.pi

@@ -5,7 +5,6 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel
@@ -13,6 +12,7 @@ from insonify.accuracy.stability.level_scenes import level_arrays, make_level_sc
 from insonify.accuracy.stability.themes.water import profile
 from insonify.acoustics.paths import airy_pressure, eigenrays, ray_paths, shadow_zones
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats, Singles
 from insonify.display.style import FAINT
 from insonify.kernels.bed.profile import empty_profile
 from insonify.kernels.rays.caustics import OCTAVE, airy_field
@@ -22,7 +22,6 @@ from insonify.scene import load_scene
 from insonify.simulation import prepare
 from insonify.tracers import ray_sheets, rays
 
-Values = NDArray[np.float64]
 REFRACTED_RAYS = StabilityTheme("Refracted rays", 3)
 CARRIER = 400e3  # Hz
 # Sound slows down with depth, so that the bed is insonified up to the ray that grazes the surface.
@@ -121,7 +120,7 @@ def _several() -> Measured:
     ))  # fmt: skip
 
 
-def _sum_waves(rho: Values) -> Values:
+def _sum_waves(rho: Floats) -> Floats:
     """Pressure at distances ρ from a caustic, 2π Ai(−ρ), by the integral of all waves, ∫exp i(s³/3 − ρs) ds.
 
     Its two points of stationary phase are the rays. Along a path turned by 30° nothing oscillates.
@@ -170,7 +169,7 @@ FOCUS, TUBE_GROWTH, SLOWNESS = 400.0, 20_000.0, 1.0 / 1500.0
 )
 def _caustic_by_frequency() -> Measured:
     tubes, nodes, weights = np.geomspace(3.0, 110.0, 60), *np.polynomial.hermite_e.hermegauss(16)
-    levels: dict[str, list[Values]] = {"limited": [], "airy": [], "waves": []}
+    levels: dict[str, list[Floats]] = {"limited": [], "airy": [], "waves": []}
     for frequency in FREQUENCIES:
         slowness = 2.0 * math.pi * frequency * SLOWNESS
         fields = [airy_field(tube, TUBE_GROWTH, slowness)[0].focus for tube in tubes]
@@ -198,14 +197,14 @@ GRADIENT, HEIGHT = 0.05, 20.0  # 1/s; m of the sonar above the bed
 GRAZING = math.acos(1500.0 / 1501.0)
 
 
-def _hits_by_steps(angles: Values) -> Values:
+def _hits_by_steps(angles: Floats) -> Floats:
     """Ranges at which an integrator with adaptive steps finds that rays hit the bed."""
     from scipy.integrate import solve_ivp
 
-    def bend(_: float, ray: Values) -> tuple[float, float, float]:
+    def bend(_: float, ray: Floats) -> tuple[float, float, float]:
         return math.cos(ray[2]), math.sin(ray[2]), -GRADIENT / (1500.0 + GRADIENT * (ray[1] - 10.0)) * math.cos(ray[2])
 
-    def touch(_: float, ray: Values) -> float:
+    def touch(_: float, ray: Floats) -> float:
         return float(30.0 - ray[1])
 
     touch.terminal = True  # type: ignore[attr-defined]
@@ -296,7 +295,7 @@ SLOWING = {
 FACETS, HALF, EXPONENT = 400, 0.05, 400  # facets that face the sonar, half their length along the level, m, and lobe
 
 
-def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: Values) -> Values:
+def _cosines_from_slopes(table: Singles, low: float, x: Floats, z: Floats) -> Floats:
     """Cosines of the incidence, q dθ / ds, from launch angles that tables give, linear between their places."""
     u, v = x / COLUMN_STEP, (z - low) / ROW_STEP
     i, j = u.astype(int), v.astype(int)
@@ -375,7 +374,7 @@ def _double() -> Measured:
     sheet = ray_sheets.trace(arrays, pose, sheets=1, rays=RAYS)[0, 0, TWICE]
     r = bin_centres(arrays)[TWICE]
 
-    def error(record: Values) -> float:
+    def error(record: Floats) -> float:
         return float(100.0 * np.linalg.norm(record - exact) / np.linalg.norm(exact))
 
     return Measured.by(error, single, sheet, panel(

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import add_legend, common, faint, ours, panel, table
@@ -16,16 +15,16 @@ from insonify.accuracy.stability.level_scenes import (
     make_level_scene,
     make_pose,
 )
+from insonify.arrays import Floats, Singles
 from insonify.kernels.common.types import NO_DECAY
 from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Targets", 7)
-Values = NDArray[np.float64]
 RADIUS = 1.0
 
 
-def _count_triangles(corners: Values, origin: Values, direction: Values) -> int:
+def _count_triangles(corners: Floats, origin: Floats, direction: Floats) -> int:
     """Count the triangles that a ray meets (Möller and Trumbore), in float32, borders included."""
     a, b, c = (corners[:, k].astype(np.float32) for k in range(3))
     way, start = direction.astype(np.float32), origin.astype(np.float32)
@@ -94,7 +93,7 @@ def _shadow_interval(across: float, above: float, altitude: float) -> tuple[floa
     return altitude / math.sin(phi + alpha), altitude / math.sin(phi - alpha)
 
 
-def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32]) -> bool:
+def _is_right(name: str, record: Singles, bare: Singles) -> bool:
     """Whether the record of a ball at a place is right, compared with the record of the bare bed."""
     port, starboard = record
     if not (np.isfinite(port).all() and (record >= 0.0).all()):

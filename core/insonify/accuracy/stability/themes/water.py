@@ -7,19 +7,18 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel, side_by_side, table
 from insonify.accuracy.stability.level_scenes import error_message, make_level_scene
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.water import make_sound_speed_field
+from insonify.arrays import Floats
 from insonify.kernels.refraction.arcs import GRAZING
 from insonify.scene import edit, load_scene
 from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10
 
-Values = NDArray[np.float64]
 LAYERED_WATER = StabilityTheme("Layered water", 1)
 
 
@@ -54,7 +53,7 @@ def _own_range(c0: float, c1: float, thick: float, angle: float) -> float:
     return float(paths.range.values[0, -1])
 
 
-def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[Values, Values]:
+def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[Floats, Floats]:
     """Errors of the range through layers, by the gradient and by this program."""
     exact = np.array([_exact_range(*layer) for layer in layers])
     plain, own = (np.array([way(*layer) for layer in layers]) for way in (_range_by_gradient, _own_range))
@@ -144,7 +143,7 @@ def _thermocline() -> Measured:
     spline = np.asarray(CubicSpline(depth, speed)(fine))
     layers = make_sound_speed_field(profile(depth, speed, interpolation="pchip"))
 
-    def overshoot(found: Values) -> float:
+    def overshoot(found: Floats) -> float:
         return max(found.max() - max(speed), min(speed) - found.min(), 0.0)
 
     return Measured.by(overshoot, spline, layers.speed, panel(
@@ -282,7 +281,7 @@ def _history() -> Measured:
     ))  # fmt: skip
 
 
-def _turning_angles() -> tuple[Values, Values]:
+def _turning_angles() -> tuple[Floats, Floats]:
     """Speeds at the second node of profiles, and the angles at which rays from the first turn just there."""
     faster = 1500.0 + np.linspace(0.3, 30.0, 100)
     return faster, np.arccos(1500.0 / faster)
@@ -343,7 +342,7 @@ def _vertex() -> Measured:
     right=Approach("Limits the angle and flags the ray.", 0.0),
 )
 def _kick() -> Measured:
-    def change(sine: Values) -> Values:
+    def change(sine: Floats) -> Floats:
         """Change of the tube in m/rad, 400 m beyond a jump of the gradient of 2 1/s: q ξ² Δg / |s|."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.divide(400.0 * 2.0 / 1500.0**2, np.abs(sine))) * 1500.0 * 400.0
