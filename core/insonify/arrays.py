@@ -1,7 +1,14 @@
-"""Types of arrays by their numbers; the shape of an array stands with what holds or returns it."""
+"""Types of arrays by their numbers, and of records; the shape of an array stands with what holds or returns it."""
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any  # xarray takes longer to import than most of what mentions its type
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]  # single precision

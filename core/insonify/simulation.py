@@ -5,11 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Integers, Singles
+from insonify.arrays import Dataset, Integers, Singles
 from insonify.errors import PlanWarning
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -28,9 +28,6 @@ from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_p
 from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.sweep import Sweep
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 BLOCK_TIME = 0.25  # s, predicted for a block
@@ -263,7 +260,7 @@ def simulate(
     truth: Truth = False,
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
-) -> xr.Dataset:
+) -> Dataset:
     """Simulate a scene's whole record.
 
     Parameters
@@ -315,7 +312,7 @@ def simulate_blocks(
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,
-) -> Iterator[xr.Dataset]:
+) -> Iterator[Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
 
     Parameters

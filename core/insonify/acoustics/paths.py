@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insonify.acoustics.rays import ALONG_STATIONS, find_shadows, follow_paths, join_points, list_rows
 from insonify.acoustics.water import make_sound_speed_field
-from insonify.arrays import Booleans, Floats, Integers
+from insonify.arrays import Booleans, Dataset, Floats, Integers
 from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
 from insonify.kernels.refraction.ray_paths import CAUSTIC_COLUMNS, ON_BED, RayLimits, RayPoints, trace_caustics
 from insonify.scene import SceneError
 from insonify.scene.water import WaterKind
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
 POINTS = 201  # points of a path when no ranges are given
@@ -32,7 +29,7 @@ def ray_paths(
     max_range: float,
     bottom: float | None = None,
     ranges: ArrayLike | None = None,
-) -> xr.Dataset:
+) -> Dataset:
     """Trace rays through water.
 
     Parameters
@@ -79,7 +76,7 @@ def eigenrays(
     *,
     bottom: float | None = None,
     reflections: int = 0,
-) -> xr.Dataset:
+) -> Dataset:
     """Find the rays that join two points.
 
     Parameters
@@ -159,7 +156,7 @@ def shadow_zones(
 
 def caustics(
     water: WaterKind, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
-) -> xr.Dataset:
+) -> Dataset:
     """Find the points at which rays touch caustics, where the ray tube has no width.
 
     Parameters
@@ -227,7 +224,7 @@ def _prepare_paths(
     )
 
 
-def _as_paths(launch: Floats, points: RayPoints, ends: Integers) -> xr.Dataset:
+def _as_paths(launch: Floats, points: RayPoints, ends: Integers) -> Dataset:
     """Dataset of ray paths, with as many points as the longest has."""
     import xarray as xr
 
@@ -248,7 +245,7 @@ def _as_paths(launch: Floats, points: RayPoints, ends: Integers) -> xr.Dataset:
     return dataset.isel(point=slice(0, max(int(there.any(axis=0).sum()), 1)))
 
 
-def _as_eigenrays(rows: Floats, target_range: float) -> xr.Dataset:
+def _as_eigenrays(rows: Floats, target_range: float) -> Dataset:
     """Dataset of the eigenrays between two points."""
     import xarray as xr
 

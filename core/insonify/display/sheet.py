@@ -1,14 +1,12 @@
 """Sheet of a record: amplitudes in display columns, collected block by block in the memory of one sheet."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Floats, Integers, Singles
+from insonify.arrays import Dataset, Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, side_factors
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
@@ -17,9 +15,6 @@ from insonify.io.records.bottom_track import complete_altitude, find_altitude
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
 from insonify.tow.poses import platform_columns
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Relative = Callable[[Singles, Integers], Singles]
 MOST_ROWS = 4096
@@ -48,7 +43,7 @@ class SheetPings(NamedTuple):
     bin_length: float  # slant range of a bin, in metres
 
 
-def take_sheet_pings(record: xr.Dataset) -> SheetPings:
+def take_sheet_pings(record: Dataset) -> SheetPings:
     """Take the data of a record that a picture shows."""
     return SheetPings(
         record["intensity"].transpose("ping_time", "channel", "range_sample").values,
@@ -102,7 +97,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     return RecordSheet(sheet if look.newest_on_top else sheet[::-1], reach, along, done, altitude)
 
 
-def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
+def gather_record_sheet(record: Dataset, look: DisplayOptions) -> RecordSheet:
     """Make a sheet of a whole record relative to its own median at every range."""
     own = compute_median_curve(record)
     return gather_sheet(
@@ -113,7 +108,7 @@ def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet
     )
 
 
-def compute_median_curve(record: xr.Dataset) -> Floats:
+def compute_median_curve(record: Dataset) -> Floats:
     """Compute the median curve of a record, (pings, 1, bins) float64, see `estimate_median_curve`."""
     return estimate_median_curve(record["intensity"].values, fill_altitude(record), _bin_length(record))
 
@@ -139,11 +134,11 @@ def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
     )
 
 
-def fill_altitude(block: xr.Dataset) -> Floats:
+def fill_altitude(block: Dataset) -> Floats:
     """Altitudes of pings by `find_altitude`, in metres; 0 where the record shows no bed."""
     return np.nan_to_num(find_altitude(block))
 
 
-def _bin_length(block: xr.Dataset) -> float:
+def _bin_length(block: Dataset) -> float:
     """Return the recorded slant range of a bin; its first centre lies at half of it."""
     return 2.0 * float(block["slant_range"].values[0])

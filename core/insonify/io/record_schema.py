@@ -1,18 +1,13 @@
 """Schema of a record as a Dataset: names, units and meanings, for simulations and recordings alike."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Floats, Reals, Singles
+from insonify.arrays import Dataset, Floats, Reals, Singles
 from insonify.io.georeference import Georeference, to_degrees
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 CHANNELS = ("port", "starboard")
 ACROSS = ("channel", "ping_time", "range_sample")
@@ -72,7 +67,7 @@ def labels(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
+def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     """Join successive blocks of pings into one record."""
     # Variables of targets cover all pings so far and are taken from the last block. What else does not change with time
     # is taken from the first.

@@ -1,19 +1,14 @@
 """Quantities that questions of lessons ask for: closed forms of a scene, or measured in a simulated record."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Floats
+from insonify.arrays import Dataset, Floats
 from insonify.scene import Scene
 from insonify.scene.sonar.beams.line_array import LineArray
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDES = ("port", "starboard")
 # −3 dB width of a line array, one-way, in wavelengths over its length (docs/theory/beam.md).
@@ -81,7 +76,7 @@ def _edges(scene: Scene) -> Floats:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
 
-def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
+def _dark_stretch(scene: Scene, record: Dataset) -> tuple[float, float]:
     """Slant ranges between which the longest stretch without echo behind the first return lies."""
     # Of the ping abreast of the first target, on its side.
     across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
@@ -94,7 +89,7 @@ def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
+def _edge_of_echoes(scene: Scene, record: Dataset, order: int = 1) -> float:
     """Median over pings of the slant range of the first bin with an echo, or of the last with the order -1."""
     echo = record.intensity.to_numpy()[..., ::order] > 0.0
     return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
@@ -103,7 +98,7 @@ def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
 def _between(measure: Callable[[Floats], float]) -> Callable[..., float]:
     """Measure the intensity between two slant ranges, (sides, pings, bins)."""
 
-    def measured(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    def measured(scene: Scene, record: Dataset, near: float, far: float) -> float:
         centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
         return float(measure(record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]))
 

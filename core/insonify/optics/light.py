@@ -6,8 +6,6 @@ returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Pho
 of ambient light, so that no shadow is black.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from pathlib import Path

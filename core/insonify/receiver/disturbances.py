@@ -1,9 +1,8 @@
 """Waves with a given course in time that are not echoes: ringing after transmission and pings of another sonar."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -26,7 +25,7 @@ class OtherWaves(Stage):
     columns: int  # bins, or samples of all bins
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> OtherWaves | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where neither is declared."""
         scene, arrays, samples = setup.scene, setup.arrays, setup.samples
         bin_time, columns = 2.0 * arrays.bin_length / arrays.water.reference / samples, arrays.bins * samples

@@ -1,9 +1,8 @@
 """Fluctuation of gain and travel time from ping to ping, as turbulent water causes it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -31,7 +30,7 @@ class Fluctuation(Stage):
     samples: int  # of a bin, where waves are summed
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Fluctuation | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where pings do not vary."""
         scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.fluctuation
         if declared is None:
@@ -58,12 +57,7 @@ class Fluctuation(Stage):
             sound.energy = _shift(sound.energy, late)
         else:
             sound.split_traced()
-            # Energies are interpolated, phases lie between those of neighbouring samples.
-            waves, late = sound.waves, self.samples * self.delay * normals
-            energy = _shift(waves.real**2 + waves.imaginary**2, late)
-            real, imaginary = _shift(waves.real, late), _shift(waves.imaginary, late)
-            amplitude = np.sqrt(energy / np.maximum(real**2 + imaginary**2, TINY))
-            sound.waves = Waves(amplitude * real, amplitude * imaginary)
+            sound.waves = _shift_waves(sound.waves, self.samples * self.delay * normals)
 
     def gains(self, pings: Integers) -> Singles:
         """Lognormal factors of mean 1, (n, 1, 1)."""

@@ -1,8 +1,7 @@
 """Stages that raise or add levels: source level, crosstalk, ambient noise and time-varied gain."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -26,7 +25,7 @@ class SourceLevel(Stage):
     factor: float  # of intensity
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> SourceLevel | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None at 0 dB, where the record is relative to the source."""
         factor = power(setup.scene.receiver.source_level)
         return None if factor == 1.0 else cls(factor)
@@ -51,7 +50,7 @@ class Crosstalk(Stage):
     field: WaveField  # of the background that leaks with the echoes, of mean energy 1
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Crosstalk | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no level is declared."""
         level = setup.scene.receiver.crosstalk
         return None if level is None else cls(power(level), setup.field_of(REVERBERATION))
@@ -76,7 +75,7 @@ class Noise(Stage):
     bins: int
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Noise | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where there is no noise."""
         return cls(setup.noise, setup.arrays.bins) if setup.noise > 0.0 else None
 
@@ -101,7 +100,7 @@ class TimeVariedGain(Stage):
     curve: Floats  # (bins,) factors of intensity
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> TimeVariedGain | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no bin is raised or lowered."""
         curve = time_varied_gain(setup)
         return cls(curve) if (curve != 1.0).any() else None

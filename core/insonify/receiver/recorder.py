@@ -1,9 +1,8 @@
 """Amplifier and converter of the recorder: gains, full scale, bits, lost pings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -32,7 +31,7 @@ class Recording(Stage):
     ping_rate: float  # pings per second
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Recording | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None for a recorder that changes nothing."""
         scene, declared = setup.scene, setup.scene.receiver.recorder
         if declared == Recorder():

@@ -1,10 +1,9 @@
 """Speckle: Rayleigh for many scatterers in a cell, K where their density varies, or of single traced scatterers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 
@@ -60,7 +59,7 @@ class Speckle(Stage):
     divided_by_shape: Floats | None
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Speckle | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no speckle is declared, or scatterers are traced one by one."""
         scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.speckle
         if not declared.speckled or declared.interferes:
@@ -115,7 +114,7 @@ class CoherentSpeckle(Stage):
     phased = coherent = True
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> CoherentSpeckle | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where scatterers are not traced one by one."""
         return cls() if setup.scene.receiver.speckle.interferes else None
 

@@ -1,13 +1,11 @@
 """Stages of the receiver: the base class, what they are prepared from, and the sound that they act on."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -256,7 +254,7 @@ class Stage(ABC):
 
     @classmethod
     @abstractmethod
-    def prepare(cls, setup: ReceiverSetup) -> Stage | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """Prepare the stage for a scene.
 
         Parameters

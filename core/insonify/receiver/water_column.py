@@ -1,9 +1,8 @@
 """Water column: reverberation of water and surface, and schools and plumes, which differ from ping to ping."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -54,7 +53,7 @@ class WaterColumn(Stage):
     volumes: VolumeEchoes | None
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> WaterColumn | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where nothing but the bed and targets echoes."""
         scene, ground, volumes = setup.scene, setup.ground, None
         if scene.volumes and ground is not None:

@@ -1,23 +1,17 @@
 """Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Dataset, Floats, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
 from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_bottom
 from insonify.scene import SceneError
 from insonify.surveys import ALTITUDES
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
 
@@ -50,7 +44,7 @@ class Swath:
         return np.where(inside, heard, np.nan)
 
 
-def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
+def choose_map(name: str, record: Dataset, crs: str | None) -> str:
     """Return the coordinate reference system of a mosaic: as given, else the UTM zone of a record's first ping."""
     place = find_georeference(record.attrs)
     if place is None or not place.crs:
@@ -63,7 +57,7 @@ def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
     return utm_zone(float(longitude), float(latitude))
 
 
-def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
+def lay_swath(name: str, record: Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
     """Lay the swath of a record on the map."""
     heights = _altitudes(name, record, altitude)
     record = record.assign(platform_altitude=("ping_time", heights))
@@ -84,7 +78,7 @@ def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES
     return Swath(mapped[0], np.stack(mapped[1:], axis=1), reach, heights, amplitude, bin_length)
 
 
-def _altitudes(name: str, record: xr.Dataset, altitude: str) -> Floats:
+def _altitudes(name: str, record: Dataset, altitude: str) -> Floats:
     if altitude == ALTITUDES[0]:
         found = find_altitude(record)
     elif BOTTOM_TRACK in record:
@@ -96,7 +90,7 @@ def _altitudes(name: str, record: xr.Dataset, altitude: str) -> Floats:
     return found
 
 
-def _headings(record: xr.Dataset) -> Floats:
+def _headings(record: Dataset) -> Floats:
     """Headings in degrees counter-clockwise from +x; the course over ground without a compass."""
     heading = record["platform_heading"].values
     if np.isfinite(heading).all():

@@ -1,25 +1,19 @@
 """A recording as the viewer shows it: amplitudes relative to its own median, and its navigation in words."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Dataset, Floats, Singles
 from insonify.io.records import RECORDS
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
 from insonify_viewer.record.record_image import COLUMNS
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import column_means
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 UNKNOWN = "not recorded"
 BLOCK = 512  # pings whose overview is computed at once
@@ -30,7 +24,7 @@ class Recording:
     """A record that was read from a file."""
 
     path: Path  # the file
-    dataset: xr.Dataset  # the record, from ``records.read_record``
+    dataset: Dataset  # the record, from ``records.read_record``
     # (pings, 2, bins) amplitudes relative to the median curve of the record; port first, near to far.
     amplitude: Singles
     # (pings,) height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where

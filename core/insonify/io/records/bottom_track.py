@@ -1,16 +1,10 @@
 """Bottom track: altitude of the sonar from the first echo of the bed in the record itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from insonify.arrays import Floats, Integers, Singles
-
-if TYPE_CHECKING:
-    import xarray as xr
+from insonify.arrays import Dataset, Floats, Integers, Singles
 
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
@@ -20,7 +14,7 @@ GROUP = 16  # pings that are split into loud and quiet bins together
 FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which there is no bottom track
 
 
-def find_altitude(record: xr.Dataset) -> Floats:
+def find_altitude(record: Dataset) -> Floats:
     """Return the altitude at every ping in metres: the recorded one, else the bottom track of the record itself."""
     # Pings without a recorded altitude get the lowest one of the others.
     altitude = record["platform_altitude"].values.astype(np.float64)

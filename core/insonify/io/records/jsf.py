@@ -3,23 +3,18 @@
 Offsets and units of fields: EdgeTech, JSF Data File Description, 0023492 rev. M (2024).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Booleans, Bytes, Singles
+from insonify.arrays import Booleans, Bytes, Dataset, Singles
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
 from insonify.io.records import recording
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MARKER, SONAR_DATA = 0x1601, 80
 SIDE_SCAN = (20, 21, 22)  # subsystems: low, high and very high frequency
@@ -62,7 +57,7 @@ class _Trace(NamedTuple):
     side: recording.SideEchoes
 
 
-def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
+def read_jsf(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a side-scan recording of EdgeTech."""
     # Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
     path = Path(path)

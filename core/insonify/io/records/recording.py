@@ -1,25 +1,20 @@
 """Recordings of real sonars: positions with gaps, and the pings of one frequency on a common grid of slant range."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Booleans, Floats, Singles
+from insonify.arrays import Booleans, Dataset, Floats, Singles
 from insonify.errors import FileWarning
 from insonify.io.file_access import FileFault
 from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
 PLAUSIBLE_SPEEDS = (1300.0, 1700.0)  # m/s
@@ -142,7 +137,7 @@ def heading_from_compass(compass: Floats, known: Booleans) -> Floats:
     return (heading + 180.0) % 360.0 - 180.0
 
 
-def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:
+def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
     sides = [side for ping in pings for side in ping.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]

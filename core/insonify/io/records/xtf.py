@@ -4,26 +4,21 @@ pyxtf defines the layout of the packets. Packets are walked here, because the lo
 the file (a pickle), on lengths that may be zero, and on the order of channels.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Bytes, Floats
+from insonify.arrays import Bytes, Dataset, Floats
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.records import recording
 from insonify.io.records.xtf_writer import DEGREES, KNOT, PROGRAM, SAMPLE_TYPES, counts, write_xtf
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
@@ -41,7 +36,7 @@ class _Ping(NamedTuple):
     frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
-def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
+def read_xtf(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a side-scan recording."""
     # Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
     # the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square

@@ -1,25 +1,19 @@
 """Chips of a labelled record: pictures about targets and of the bed beside."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.arrays import Bytes, Floats
+from insonify.arrays import Bytes, Dataset, Floats
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
 from insonify.surveys.datasets.scenes import DrawnScene, View
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Tiles
 from insonify.surveys.datasets.tiles import RecordSide, take_side, targets_within
 from insonify.surveys.storages import Tile
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
@@ -28,7 +22,7 @@ NARROWEST = 16  # pixels of a picture
 PAST = 2  # pings and bins past a window, of which its outermost pixels take parts
 
 
-def cut_chips(drawn: DrawnScene, record: xr.Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
+def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
     """Cut a labelled record of a scene into pictures about the views of its targets and, across the tow, of the bed."""
     amplitude = np.sqrt(record["intensity"].values.astype(np.float64))  # (sides, pings, bins)
     curve = np.sqrt(compute_median_curve(record)[:, 0])
