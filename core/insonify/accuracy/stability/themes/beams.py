@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, inked, ours, panel
 from insonify.accuracy.stability.level_scenes import (
     arrays_over,
@@ -46,8 +46,7 @@ def _worst_error(values: Floats, exact: Floats | float) -> float:
 @BEAMS.case(
     "Too few planes across a fan",
     "A target narrower than the distance between two planes returns an echo only where a plane meets it.",
-    "variation of a small sphere's echo within the beam",
-    "%",
+    Quantity("variation of a small sphere's echo within the beam", "%"),
     failing=Approach("Uses as few planes as a tolerance of 1 allows, alike whatever lies in the beam.", 100.0),
     right=Approach("Lays planes across the sphere as close as its size requires, others by the plan.", 30.0),
     scene="breaks-comb",
@@ -88,8 +87,7 @@ def _contrast(scene: Scene) -> Floats:
     "Pings that beat with ripples",
     "A knife-edge beam samples one line per ping; ripples about as long as the distance between lines alias to "
     "bands many times as long.",
-    "contrast along the track of bands longer than four ripples",
-    "%",
+    Quantity("contrast along the track of bands longer than four ripples", "%"),
     failing=Approach("Samples lines one ripple length apart.", 50.0),
     right=Approach("Uses a fan wider than the distance between two pings.", 20.0),
     scene="breaks-beats",
@@ -126,8 +124,7 @@ def _beats() -> Measured:
 @BEAMS.case(
     "Pings too far apart",
     "The sonar moves by more than its beam width between two pings.",
-    "targets missed without a message",
-    "of 5",
+    Quantity("targets missed without a message", "of 5"),
     failing=Approach("Simulates the scene without a check.", 3.0),
     right=Approach("States in the plan up to which range a narrow target can be missed.", 0.0),
 )
@@ -161,8 +158,7 @@ def _sparse() -> Measured:
 @BEAMS.case(
     "A cone taken for a wedge",
     "A beam is a cone about the track: at slant range r it covers r θ of the bed, not x θ.",
-    "error of the along-track width",
-    "%",
+    Quantity("error of the along-track width", "%"),
     failing=Approach("Takes ground range times the beam's angle.", 30.0),
     right=Approach("Takes all azimuths with cos θ · |sin φ| within the beam.", 0.01),
 )
@@ -187,8 +183,7 @@ ALTITUDE, SQUINT = 10.0, 15.0  # m above the bed, °
 @BEAMS.case(
     "Light through a beam that squints",
     "Law light averages over azimuths; in a squinting beam, equal steps of the sine are unequal steps of azimuth.",
-    f"error of the light of a level bed, squint of {SQUINT:g}°",
-    "%",
+    Quantity(f"error of the light of a level bed, squint of {SQUINT:g}°", "%"),
     failing=Approach("Divides by the integral of the response over sines.", 5.0),
     right=Approach("Divides by its integral over azimuths.", 1.0),
 )
@@ -220,8 +215,7 @@ LENGTH = 1.0  # m, of an array
 @BEAMS.case(
     "The near field of a line array",
     "Nearer than the square of its length over the wavelength, the beam of an array is as wide as the array itself.",
-    f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m",
-    "%",
+    Quantity(f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m", "%"),
     failing=Approach("Takes the pattern of the far field.", 50.0),
     right=Approach("Tabulates the pattern range by range, by Fresnel's approximation.", 2.0),
 )
@@ -273,8 +267,7 @@ END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it count
 @SEA_SURFACE.case(
     "Waves at a record's end",
     "A wave trough shortens the path of an echo that would arrive after the end of the record over a calm sea.",
-    f"echo missing from the last {LAST:g} m of the record",
-    "%",
+    Quantity(f"echo missing from the last {LAST:g} m of the record", "%"),
     failing=Approach("Follows the bed up to the end of the record over a calm sea.", 5.0),
     right=Approach("Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1),
 )
@@ -303,8 +296,7 @@ PAIR_WIDTH, PAIR_SQUINT = 4.0, 10.0  # °
 @SEA_SURFACE.case(
     "Two legs of a squinting beam",
     "On a path out by the surface and straight back, a squinting beam covers different azimuths on its two legs.",
-    "error of the energy",
-    "%",
+    Quantity("error of the energy", "%"),
     failing=Approach("Takes the root of the product of the azimuths of each leg alone.", 100.0),
     right=Approach("Integrates the root of both responses over their common azimuths.", 0.05),
 )
@@ -367,8 +359,7 @@ def _radiances(facets: int) -> tuple[Floats, Floats, float]:
 @SEA_SURFACE.case(
     "Light at a body's edge",
     "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
-    "error of the energy of a ball",
-    "%",
+    Quantity("error of the energy of a ball", "%"),
     failing=Approach(
         f"Takes the radiance in the middle of each of {FACETS} facets, and the whole facet if that is visible.",
         0.5,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import add_legend, common, faint, inked, ours, panel, side_by_side, table
 from insonify.accuracy.stability.level_scenes import arrays_over, error_message, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.resolution_cell import bin_centres
@@ -30,8 +30,7 @@ BORDER = 3  # bins beside the ends of a shadow, which are partly lit
 @THE_BED.case(
     "Steps too long",
     "A ray that is sampled every few metres steps over narrower crests.",
-    "energy in shadows over the energy of a level bed there",
-    "%",
+    Quantity("energy in shadows over the energy of a level bed there", "%"),
     failing=Approach(f"Marches in steps of {STEP:g} m.", 5.0),
     right=Approach("Walks every segment of the bed once under a running horizon.", 0.0),
     scene="breaks-steps",
@@ -93,8 +92,7 @@ def _lost_by_division(x: Floats) -> float:
 @THE_BED.case(
     "A towfish over a knot",
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
-    "bins or knots without a number",
-    "%",
+    Quantity("bins or knots without a number", "%"),
     failing=Approach("Divides by ground range, starting at the towfish.", 50.0),
     right=Approach("Starts beneath the towfish without dividing by ground range.", 0.0),
 )
@@ -147,8 +145,7 @@ def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> Singles:
 @THE_BED.case(
     "A wrong order of convergence",
     "Halving the step of a second-order method should quarter its error.",
-    "deviation of the observed order from 2",
-    "%",
+    Quantity("deviation of the observed order from 2", "%"),
     failing=Approach("Treats every sample of the bed as a point scatterer.", 20.0),
     right=Approach("Spreads the energy of each segment over the bins that it spans.", 10.0),
 )
@@ -185,8 +182,7 @@ ROUGH = {
 @ROUGH_BEDS.case(
     "A lobe narrower than a cell's twist",
     "Within one cell of a rough bed the surface turns by more than the width of a specular lobe.",
-    "error of the record against exact rays",
-    "%",
+    Quantity("error of the record against exact rays", "%"),
     failing=Approach("Takes the incidence at the middle of each cell's segment.", 5.0),
     right=Approach("Divides a segment until lobe, slope and density change little within each part.", 1.0),
 )
@@ -233,8 +229,7 @@ BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 1
 @GENERATED_RELIEFS.case(
     "Peaks and exponents out of bounds",
     "A peak at or above the Nyquist frequency aliases; an exponent below 0, or of 5 and more, gives no relief.",
-    "such beds made without an error",
-    "of 4",
+    Quantity("such beds made without an error", "of 4"),
     failing=Approach("Filters by array indices without a check.", 3.0),
     right=Approach("Reports each as one sentence that names the field.", 0.0),
 )
@@ -254,8 +249,7 @@ def _out_of_bounds() -> Measured:
 @GENERATED_RELIEFS.case(
     "Undersampled ripples",
     "Waves too short for a coarse grid alias to longer ones.",
-    "energy of aliased waves",
-    "%",
+    Quantity("energy of aliased waves", "%"),
     failing=Approach("Takes every second sample.", 50.0),
     right=Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9),
 )
@@ -299,8 +293,7 @@ def _difference(fields: list[Floats]) -> float:
     "The same seed on another grid",
     "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
     "grid that is not square.",
-    "difference between the waves that both grids resolve",
-    "%",
+    Quantity("difference between the waves that both grids resolve", "%"),
     failing=Approach("Draws noise for each grid and filters it by indices.", 100.0),
     right=Approach("Hashes each wave's coefficient from the seed and its frequency.", 1e-9),
 )
@@ -325,8 +318,7 @@ def _same_seed() -> Measured:
 @GENERATED_RELIEFS.case(
     "β measured on a picture",
     "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
-    "error of the measured β",
-    "",
+    Quantity("error of the measured β"),
     failing=Approach("Fits the spectrum of a picture in 256 greys.", 0.2),
     right=Approach("Fits the spectrum of the heights themselves.", 0.02),
     scene="breaks-greys",

@@ -6,7 +6,7 @@ from decimal import Decimal, localcontext
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose
 from insonify.accuracy.stability.themes.water import profile
@@ -51,8 +51,7 @@ def _bisect(across: float) -> float:
 @REFRACTED_RAYS.case(
     "A shadow zone",
     "A bisection between a ray that falls short and one that overshoots converges even where no ray exists.",
-    "rays reported where none exists",
-    "of 5",
+    Quantity("rays reported where none exists", "of 5"),
     failing=Approach("Bisects forty times.", 4.0),
     right=Approach("Rejects a ray that misses the point.", 0.0),
 )
@@ -104,8 +103,7 @@ def _newton() -> int:
 @REFRACTED_RAYS.case(
     "Several rays to one point",
     "In a channel many rays join two points, and a search from the straight line finds one at most.",
-    "rays lost",
-    "%",
+    Quantity("rays lost", "%"),
     failing=Approach("Starts Newton's method from the straight line.", 50.0),
     right=Approach("Brackets every branch between the rays that graze a knot.", 0.0),
 )
@@ -133,8 +131,7 @@ def _sum_waves(rho: Floats) -> Floats:
 @REFRACTED_RAYS.case(
     "A caustic",
     "Where neighbouring rays cross, the ray tube has no width and the intensity is infinite.",
-    "worst error of the level near the caustic",
-    "dB",
+    Quantity("worst error of the level near the caustic", "dB"),
     failing=Approach("Sums the two rays, each by the width of its tube.", 20.0),
     right=Approach("Uses the uniform approximation with the Airy function.", 0.01),
 )
@@ -162,8 +159,7 @@ FOCUS, TUBE_GROWTH, SLOWNESS = 400.0, 20_000.0, 1.0 / 1500.0
 @REFRACTED_RAYS.case(
     "A caustic at another frequency",
     "The width of a caustic depends on the wavelength, which rays do not have.",
-    "worst error of the level, at 12 kHz, 120 kHz and 1 MHz",
-    "dB",
+    Quantity("worst error of the level, at 12 kHz, 120 kHz and 1 MHz", "dB"),
     failing=Approach("Takes no tube as narrower than 2 % of its range.", 6.0),
     right=Approach("Uses the Airy function, averaged over an octave of frequency.", 0.2),
 )
@@ -215,8 +211,7 @@ def _hits_by_steps(angles: Floats) -> Floats:
 @REFRACTED_RAYS.case(
     "Steps past a touch",
     "An integrator with adaptive steps passes the point where a smooth ray touches the bed.",
-    "error of the limiting range",
-    "m",
+    Quantity("error of the limiting range", "m"),
     failing=Approach("Integrates with adaptive steps and an event at the bed.", 100.0),
     right=Approach("Finds the grazing ray among exact arcs.", 0.05),
     scene="breaks-grazing",
@@ -259,8 +254,7 @@ def _single_time(across: float, depth: tuple[float, float]) -> float:
 @REFRACTED_RAYS.case(
     "Travel time in float32",
     "Seven digits of a time of seconds do not resolve the phase of a 400 kHz carrier.",
-    "worst error of the phase, from 1 to 5 km",
-    "turns",
+    Quantity("worst error of the phase, from 1 to 5 km", "turns"),
     failing=Approach("Takes the closed form in float32.", 0.1),
     right=Approach("Keeps times in float64 in a form without cancellation.", 1e-6),
 )
@@ -313,8 +307,7 @@ def _cosines_from_slopes(table: Singles, low: float, x: Floats, z: Floats) -> Fl
     "An incidence from the slope of a table",
     "A table of positions with linear interpolation has slopes with errors of first order, and a narrow lobe takes "
     "the 400th power of the cosine that follows from them.",
-    "worst error of a facet's lobe",
-    "%",
+    Quantity("worst error of a facet's lobe", "%"),
     failing=Approach("Takes the incidence from the slopes of the table.", 20.0),
     right=Approach("Takes it from the direction of arrival, which is tabulated too.", 0.5),
 )
@@ -362,8 +355,7 @@ RAYS, MANY_RAYS = 1 << 12, 1 << 20
 @LAYERED_ECHOES.case(
     "Pairs of paths binned one by one",
     "Where sound arrives along several paths, each pair of a ray out and a path back adds its echo to one bin.",
-    "error of the record where every echo arrives along several paths",
-    "%",
+    Quantity("error of the record where every echo arrives along several paths", "%"),
     failing=Approach("Puts the echo of each pair into the bin in which it arrives.", 10.0),
     right=Approach("Spreads it over the range between neighbouring rays.", 0.5),
 )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import add_legend, common, faint, ours, panel, table
 from insonify.accuracy.stability.level_scenes import (
     arrays_over,
@@ -40,8 +40,7 @@ def _count_triangles(corners: Floats, origin: Floats, direction: Floats) -> int:
 @THEME.case(
     "Edges that two walls share",
     "Rounding places a ray through an edge on neither of its two triangles, or on both.",
-    "rays that do not meet exactly one wall",
-    "%",
+    Quantity("rays that do not meet exactly one wall", "%"),
     failing=Approach("Tests every triangle by itself in float32.", 5.0),
     right=Approach("Decides each edge once for both its triangles.", 0.0),
 )
@@ -109,8 +108,7 @@ def _is_right(name: str, record: Singles, bare: Singles) -> bool:
     "Targets in unusual places",
     "A sphere around the sonar covers no interval of angles; one behind it, below the bed or out of range covers "
     "none either.",
-    "places with a wrong record",
-    "of 5",
+    Quantity("places with a wrong record", "of 5"),
     failing=Approach("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", 2.0),
     right=Approach("Traces visible targets only, and reports a sonar inside a target as one sentence.", 0.0),
 )
@@ -163,8 +161,7 @@ def _echo_by_sweep(exponent: float) -> float:
 @THEME.case(
     "A lobe narrower than a facet",
     "Along a facet of a round target the incidence changes by more than the width of a narrow specular lobe.",
-    "error of the energy, exponents from 10 to 1000",
-    "%",
+    Quantity("error of the energy, exponents from 10 to 1000", "%"),
     failing=Approach("Takes the incidence in the middle of each facet.", 5.0),
     right=Approach("Averages the lobe over as many parts of a facet as its width requires.", 0.1),
 )
