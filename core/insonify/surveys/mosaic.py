@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats, Integers, Reals, Singles
 from insonify.display.picture import load_palette
 from insonify.io.bathymetry import LEVELS, Grid
 from insonify.io.bathymetry.rasters import read_raster
@@ -35,7 +36,7 @@ class Mosaic:
 
     # (rows, columns) dB relative to the median of its record at that slant range; NaN where nothing was
     # insonified; northernmost row first.
-    level: NDArray[np.float32]
+    level: Singles
     corner: tuple[float, float]  # (float, float) easting and northing of the upper left corner, in metres
     cell: float  # side of a cell, in metres
     count: NDArray[np.uint16]  # (rows, columns) records that have a sample in the cell
@@ -45,9 +46,9 @@ class Mosaic:
 class _Layer:
     """Sums over the samples of one record in every cell."""
 
-    energy: NDArray[np.float64]
-    ground_range: NDArray[np.float64]
-    count: NDArray[np.int64]
+    energy: Floats
+    ground_range: Floats
+    count: Integers
     gap: float  # ground range up to which the bed is seen steeply and squeezed, in metres
 
 
@@ -96,7 +97,7 @@ def read_levels(path: Path) -> Grid:
     return grid
 
 
-def colour_levels(level: NDArray[np.floating]) -> NDArray[np.uint8]:
+def colour_levels(level: Reals) -> Bytes:
     """Colour levels: (rows, columns, 4) red, green, blue and opacity, which is 0 where there is none."""
     low, high = np.nanpercentile(level, PICTURED)
     tone = np.nan_to_num(np.clip((level - low) / max(high - low, 1e-9), 0.0, 1.0))
@@ -143,9 +144,7 @@ def _lay(swath: Swath, low: tuple[float, float], shape: tuple[int, int], cell: f
     return layer
 
 
-def _places(
-    swath: Swath, ping: int, following: int, share: float, ground_range: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _places(swath: Swath, ping: int, following: int, share: float, ground_range: Floats) -> Floats:
     """Positions of samples on both sides between two pings, (2, n, 2)."""
     nadir = (1.0 - share) * swath.nadir[ping] + share * swath.nadir[following]
     ends = (1.0 - share) * swath.ends[ping] + share * swath.ends[following]
@@ -154,12 +153,7 @@ def _places(
 
 
 def _add(
-    layer: _Layer,
-    places: NDArray[np.float64],
-    ground_range: NDArray[np.float64],
-    energy: NDArray[np.float64],
-    low: tuple[float, float],
-    cell: float,
+    layer: _Layer, places: Floats, ground_range: Floats, energy: Floats, low: tuple[float, float], cell: float
 ) -> None:
     """Add samples to the cells that hold them."""
     heard = np.isfinite(energy)
@@ -170,9 +164,7 @@ def _add(
     np.add.at(layer.count.reshape(-1), at, 1)
 
 
-def _combine(
-    layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]
-) -> tuple[NDArray[np.float64], NDArray[np.uint16]]:
+def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.uint16]]:
     """Energy of every cell by the rule of overlaps, NaN where no record has a sample; number of records that have."""
     energy, count, nearest = np.full(shape, np.nan), np.zeros(shape, np.uint16), np.full(shape, np.inf)
     for layer in layers:
