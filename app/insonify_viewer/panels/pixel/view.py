@@ -1,10 +1,9 @@
 """Summary and budget of a pixel beside its cross-section."""
 
-from __future__ import annotations
-
 import html
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
@@ -88,7 +87,7 @@ class SectionScales:
     text: float = 1.0  # size of the text over the usual one
 
     @classmethod
-    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> SectionScales:
+    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> Self:
         """Fit a section into a widget; ``surfaced`` shows the sea surface too, ``text`` enlarges the margins."""
         bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
         sonar = float(section.sonar.place[2])
