@@ -10,21 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import (
-    FALLBACK,
-    NO_WINDOW,
-    add_output,
-    add_scene,
-    bounded,
-    check_output,
-    chosen_output,
-    chosen_scene,
-    find_pixel,
-    free_name,
-    is_record,
-    say,
-    tracked,
-)
+from insonify.commands import options
 from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
@@ -61,7 +47,7 @@ def register(subparsers: Any) -> None:
         description="Open the viewer on a scene, or on a recording beside the default scene.",
         epilog=EXAMPLES,
     )
-    add_scene(parser, optional=True)
+    options.add_scene(parser, optional=True)
     parser.add_argument(
         "--recording", metavar="FILE", help=f"a record beside the scene: {RECORDS.describe(RECORDS.readable())}"
     )
@@ -94,9 +80,9 @@ def register(subparsers: Any) -> None:
         "screen. A .mp4 needs the package imageio-ffmpeg.",
         epilog="examples: insonify movie wreck -o tow.webp; insonify movie default -o tow.mp4 --size 1280x720",
     )
-    add_scene(movie)
-    add_output(movie, MOVIES)
-    seconds = bounded(1.0, 600.0, "1 to 600 seconds")
+    options.add_scene(movie)
+    options.add_output(movie, MOVIES)
+    seconds = options.bounded(1.0, 600.0, "1 to 600 seconds")
     movie.add_argument("--seconds", type=seconds, default=10.0, metavar="S", help="duration (default: %(default)g)")
     movie.add_argument(
         "--size", type=_size, default=MOVIE_SIZE, metavar="WxH", help="pixels across and down (default: %(default)s)"
@@ -107,7 +93,7 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
-    lesson, scene = (None, chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
+    lesson, scene = (None, options.chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     pair = _pairing(scene, arguments)
     reason = why_no_window()
@@ -117,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
             from insonify_viewer.application import open_window
 
             return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
-    path = check_output(arguments.snapshot or free_name(FALLBACK), (".png",), "--snapshot")
+    path = options.check_output(arguments.snapshot or options.free_name(options.FALLBACK), (".png",), "--snapshot")
     _leave_screen(reason)
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
@@ -125,22 +111,22 @@ def run(arguments: argparse.Namespace) -> int:
     draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel))
     if arguments.snapshot is None:
         sys.stderr.write(f"insonify: no window can be opened ({reason}); it was drawn into {path}\n")
-        return NO_WINDOW
+        return options.NO_WINDOW
     return 0
 
 
 def run_movie(arguments: argparse.Namespace) -> None:
     """Draw the tow of a scene into a movie."""
-    path, scene, (width, height) = chosen_output(arguments), chosen_scene(arguments), arguments.size
+    path, scene, (width, height) = options.chosen_output(arguments), options.chosen_scene(arguments), arguments.size
     _leave_screen(why_no_window())
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.movie import check_room, draw_views, tow_views, write_movie
 
     views = tow_views(scene, arguments.seconds)
     check_room(path, len(views), arguments.size)
-    drawn = tracked(draw_views(scene, arguments.size, views), len(views), lambda _: 1, "picture")
+    drawn = options.tracked(draw_views(scene, arguments.size, views), len(views), lambda _: 1, "picture")
     write_movie(path, drawn)
-    say(f"{path}: {len(views)} pictures of {width} x {height}")
+    options.say(f"{path}: {len(views)} pictures of {width} x {height}")
 
 
 def _leave_screen(reason: str) -> None:
@@ -202,15 +188,15 @@ def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:
     except ValueError as error:
         given = f"{ping} {side} {slant_range}"
         raise SceneError(f"--pin {given}: write a ping, a side and a range, such as 150 starboard 36.5") from error
-    return Mark(*find_pixel(scene, number, side, distance))
+    return Mark(*options.find_pixel(scene, number, side, distance))
 
 
 def _take_recording(arguments: argparse.Namespace) -> str:
     """Return the file of a record that is named, in place of the scene or beside it; empty if none is."""
-    if is_record(arguments.scene) and arguments.recording is None:
+    if options.is_record(arguments.scene) and arguments.recording is None:
         arguments.scene, arguments.recording = DEFAULT_SCENE, arguments.scene
     name = arguments.recording or ""
-    if name and not is_record(name):
+    if name and not options.is_record(name):
         known = RECORDS.describe(RECORDS.readable())
         raise RECORDS.refusal(name, "does not have the suffix of a record", f"give {known}")
     if name and not Path(name).exists():

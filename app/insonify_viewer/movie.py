@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 from PySide6.QtCore import QEventLoop
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QDockWidget, QToolBar
 
+from insonify.arrays import Bytes
 from insonify.io.atomic import replacing
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.application import main_thread_collection, make_application, wait_for_picture
@@ -23,7 +23,7 @@ WEBP_QUALITY = 60  # of 100
 VIDEO = ".mp4"
 MOST_BYTES = 2 * 10**9  # of pictures that are held while a file that repeats is written
 
-Picture = NDArray[np.uint8]  # (height, width, 3)
+Picture = Bytes  # (height, width, 3)
 
 
 class View(NamedTuple):

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
+from insonify.arrays import Integers
 from insonify.display.display_options import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
 from insonify_viewer.errors import Failure, describe_error
@@ -332,7 +332,7 @@ class Viewer(QObject):
         )
         self.window.waterfall.show_waiting(waiting, stamp_of(self._number, INTERPOLATED))
 
-    def _missing(self) -> NDArray[np.int64]:
+    def _missing(self) -> Integers:
         """Pings on screen that are not yet traced for the present scene."""
         return self.record.missing(self.tow.top, stamp_of(self._number, FINE if self._fine else COARSE))
 

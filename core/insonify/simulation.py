@@ -5,11 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Integers, Singles
 from insonify.errors import PlanWarning
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -29,23 +29,19 @@ from insonify.tracers.base import PreparedTracer, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.sweep import Sweep
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 BLOCK_TIME = 0.25  # s, predicted for a block
 BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
 ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
 OF_TARGETS = ("target_id", "shadow", "shadow_id", "path", "target_echo")  # labels of what a record shows of targets
 
-Echoes = NDArray[np.float32]
 Truth = bool | Literal["targets"]
 
 
 class PingBlock(NamedTuple):
     """Successive pings of a record."""
 
-    pings: NDArray[np.int64]  # (n,) their numbers
+    pings: Integers  # (n,) their numbers
     poses: Poses  # their poses
     columns: Columns  # ``intensity``, and labels by their names if requested, (n, 2, bins) each
 
@@ -64,7 +60,7 @@ class Simulation(PackedScene):
     reception: Reception  # the receiver, which turns echoes into the record
     threads: int | None = None  # greatest number of threads
 
-    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def intensity(self, pings: Integers) -> Singles:
         """Trace and receive pings, any numbers in any order.
 
         Parameters
@@ -81,8 +77,8 @@ class Simulation(PackedScene):
         return self.record(pings, self.poses(pings))
 
     def record(
-        self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None, traced: Traced | None = None
-    ) -> Echoes:
+        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: Traced | None = None
+    ) -> Singles:
         """Trace, unless that is done, and receive pings at given poses, into ``out`` if it is given."""
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
@@ -102,11 +98,11 @@ class Simulation(PackedScene):
         )
         return echoes
 
-    def expect(self, pings: NDArray[np.int64]) -> None:
+    def expect(self, pings: Integers) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
         self.tiles.expect(self.poses(np.asarray(pings, dtype=np.int64)))
 
-    def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
+    def truth(self, pings: Integers) -> RecordLabels:
         """Label every range bin of the given pings.
 
         Parameters
@@ -123,7 +119,7 @@ class Simulation(PackedScene):
         pings = np.asarray(pings, dtype=np.int64)
         return self.labels(self.poses(pings))
 
-    def labels(self, poses: Poses, echoes: Echoes | None = None) -> RecordLabels:
+    def labels(self, poses: Poses, echoes: Singles | None = None) -> RecordLabels:
         """Label every range bin of pings at given poses, as `truth` does; ``echoes`` as `trace_labels` takes them."""
         settings = self.plan.label_settings | {"echoes": echoes}
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
@@ -171,7 +167,7 @@ class Simulation(PackedScene):
                 progress(part.stop, pings.size)
         return PingBlock(pings, poses, whole)
 
-    def _columns(self, pings: NDArray[np.int64], poses: Poses, truth: Truth, out: Echoes | None = None) -> Columns:
+    def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
         """Intensity of some pings, and their labels if requested."""
         if truth != "targets":
             labels = self.labels(poses)._asdict() if truth else {}
@@ -264,7 +260,7 @@ def simulate(
     truth: Truth = False,
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
-) -> xr.Dataset:
+) -> Dataset:
     """Simulate a scene's whole record.
 
     Parameters
@@ -316,7 +312,7 @@ def simulate_blocks(
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,
-) -> Iterator[xr.Dataset]:
+) -> Iterator[Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
 
     Parameters

@@ -3,7 +3,6 @@
 import io
 import re
 import zipfile
-from dataclasses import replace
 
 import numpy as np
 import pyproj
@@ -265,7 +264,7 @@ def test_a_real_recording(real_recording, tmp_path, capsys):
 
 @pytest.mark.parametrize("altitude", [1e300, np.inf, np.nan])
 def test_an_altitude_that_no_sonar_has_leaves_its_pings_out(altitude):
-    far = replace(straight_swath(heading=0.0), altitude=np.where(np.arange(60) < 30, 5.0, altitude))
+    far = straight_swath(heading=0.0)._replace(altitude=np.where(np.arange(60) < 30, 5.0, altitude))
     mosaic = make_mosaic([far], 0.5)
     x, _ = cell_centres(mosaic)
     assert mosaic.count[x < 114.0].mean() > 0.9

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from insonify.accuracy.stability import CASES, Approach, Outcome, StabilityCase, find_themes, themes
-from insonify.accuracy.stability.case import Measured, format_quantity
+from insonify.accuracy.stability.case import Measured, Quantity
 from insonify.accuracy.stability.report import write_report
 from insonify.cli import main
 from insonify.scene import bundled_scenes, edit, load_scene
@@ -20,8 +20,8 @@ EVERY = [case for members in CASES.values() for case in members]
 @pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
 def test_the_common_method_fails_and_this_program_does_not(case):
     outcome = Outcome(case, case.measure())
-    assert outcome.is_shown, f"{case.figure}: {outcome.measured.failing} by the common method"
-    assert outcome.is_held, f"{case.figure}: {outcome.measured.right} by this program"
+    assert outcome.is_shown, f"{case.quantity.name}: {outcome.measured.failing} by the common method"
+    assert outcome.is_held, f"{case.quantity.name}: {outcome.measured.right} by this program"
     assert outcome.verdict == "holds"
     figure = Figure()
     outcome.measured.picture(figure)
@@ -51,7 +51,7 @@ def test_a_theme_is_one_new_file(tmp_path, monkeypatch):
 def case_of(failing: float, right: float) -> StabilityCase:
     approaches = Approach("Does.", 1.0), Approach("Acts.", 0.1)
     measured = Measured(failing, right, lambda figure: figure.add_subplot())
-    return StabilityCase("A < B", "Is.", "this", "m", *approaches, lambda: measured, "breaks-steps")
+    return StabilityCase("A < B", "Is.", Quantity("this", "m"), *approaches, lambda: measured, "breaks-steps")
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_verdicts(failing, right, verdict):
     ],
 )
 def test_figures_are_readable(value, text):
-    assert format_quantity(value, "m") == text
+    assert Quantity("length", "m").format(value) == text
 
 
 def test_the_page_stands_by_itself(tmp_path):
@@ -107,7 +107,7 @@ def test_a_failure_leaves_the_old_page(tmp_path):
 
     page = tmp_path / "page.html"
     page.write_text("old")
-    case = StabilityCase("A", "Is.", "this", "", Approach("Does.", 1.0), Approach("Acts.", 0.1), broken)
+    case = StabilityCase("A", "Is.", Quantity("this"), Approach("Does.", 1.0), Approach("Acts.", 0.1), broken)
     with pytest.raises(MemoryError):
         write_report(page, {"One": (case,)})
     assert page.read_text() == "old"

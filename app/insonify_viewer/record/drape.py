@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats, Singles
 from insonify.display.picture import average_columns, place_columns
 from insonify.display.range_axis import GROUND, make_range_axis
 from insonify.errors import SceneError
@@ -22,8 +22,8 @@ class RecordStrip:
     """Successive pings of a record, and where they were sent."""
 
     poses: Poses  # of the pings
-    amplitude: NDArray[np.float32]  # (n, 2 bins) from far port to far starboard
-    altitude: NDArray[np.float64]  # (n,) in metres
+    amplitude: Singles  # (n, 2 bins) from far port to far starboard
+    altitude: Floats  # (n,) in metres
     bin_length: float  # slant range of a bin in metres
     tone_map: ToneMap  # colours of amplitudes
 
@@ -34,7 +34,7 @@ class MosaicSheet:
 
     name: str  # of its file
     grid: Grid
-    colours: NDArray[np.uint8]  # (rows, columns, 4) red, green, blue, opacity; row 0 at the least y
+    colours: Bytes  # (rows, columns, 4) red, green, blue, opacity; row 0 at the least y
     place: Georeference | None  # of the scene
 
     def __post_init__(self) -> None:
@@ -44,7 +44,7 @@ class MosaicSheet:
                 "set world.crs and world.origin"
             )
 
-    def to_map(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def to_map(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Transform the scene's x and y to the map; a mosaic without a map is in these coordinates."""
         if not self.grid.crs or self.place is None:
             return x, y
@@ -52,9 +52,7 @@ class MosaicSheet:
         return (x, y) if self.place.crs == self.grid.crs else project(self.place.crs, self.grid.crs, x, y)
 
 
-def drape_mosaic(
-    image: NDArray[np.uint8], centre: tuple[float, float], half: float, sheet: MosaicSheet
-) -> NDArray[np.uint8]:
+def drape_mosaic(image: Bytes, centre: tuple[float, float], half: float, sheet: MosaicSheet) -> Bytes:
     """Lay a mosaic over a square picture of the bed, which stays where the mosaic has no level."""
     assert sheet.grid.corner is not None
     assert sheet.grid.spacing is not None
@@ -72,9 +70,7 @@ def drape_mosaic(
     return np.where((inside & (found[..., 3] > 0))[..., None], found[..., :3], image)
 
 
-def drape_record(
-    image: NDArray[np.uint8], centre: tuple[float, float], half: float, strip: RecordStrip
-) -> NDArray[np.uint8]:
+def drape_record(image: Bytes, centre: tuple[float, float], half: float, strip: RecordStrip) -> Bytes:
     """Lay a record over a square picture of the bed, each echo at the ground range of a level bed."""
     size, bins = len(image), strip.amplitude.shape[1] // 2
     lowest = float(strip.altitude.min(initial=math.inf))
@@ -97,9 +93,7 @@ def drape_record(
     return draped
 
 
-def _places(
-    poses: Poses, left: NDArray[np.float64], texel: float
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def _places(poses: Poses, left: Floats, texel: float) -> list[tuple[Floats, Floats]]:
     """Places of samples to the left of every ping, (n, samples) each, and between pings that lie far apart."""
     ahead_x, ahead_y = (np.gradient(each) if len(each) > 1 else np.zeros(1) for each in (poses.x, poses.y))
     step = float(np.median(np.hypot(ahead_x, ahead_y)))

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
+from insonify.arrays import Singles
 from insonify_viewer.widgets.painting import make_polyline
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
@@ -21,7 +21,7 @@ def room_for_trace(height: int) -> int:
     return LEAST + GAP if height >= LOW else 0
 
 
-def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], title: str, at: float | None) -> None:
+def draw_trace(painter: QPainter, area: QRect, loudest: Singles, title: str, at: float | None) -> None:
     """Draw the trace of one ping."""
     with np.errstate(divide="ignore"):
         levels = 20.0 * np.log10(np.nan_to_num(loudest.astype(np.float64)))

@@ -8,16 +8,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QRect
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, side_factors
 from insonify.display.picture import average_columns, place_columns
 from insonify.display.range_axis import SLANT, RangeAxis, choose_kind, make_range_axis
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.inspection import Mark
 
-Values = NDArray[np.float64]
 BEYOND = np.float32(-1.0)  # amplitude of columns that lie beyond the last bin
 CLOSEST = 1.0 / 64.0  # least share of the record that a zoom shows
 STEPS = 50.0  # of altitude over the range, by which the reach of a picture changes
@@ -61,9 +60,9 @@ class Projection:
     newest: int  # number of the newest ping of the picture
     pings: int  # pings from the upper to the lower edge of the whole picture
     # Altitudes of pings, (n,) int64 to (n,) float64, in metres; 0 where they are not known.
-    altitude_of: Callable[[NDArray[np.int64]], Values]
+    altitude_of: Callable[[Integers], Floats]
     # (2 bins,) factors on the amplitudes of a row, from far port to far starboard.
-    factors: NDArray[np.float32] | None = None
+    factors: Singles | None = None
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -83,12 +82,12 @@ class Projection:
         upper, lower = self.zoom.upper * self.pings, self.zoom.lower * self.pings
         return (upper, lower) if self.newest_on_top else (self.pings - upper, self.pings - lower)
 
-    def across(self, distance: Values) -> Values:
+    def across(self, distance: Floats) -> Floats:
         """Shares of the plot's width at which distances lie, negative ones to port."""
         first, last = self.shown
         return np.asarray((distance - first) / (last - first))
 
-    def down(self, ping: Values) -> Values:
+    def down(self, ping: Floats) -> Floats:
         """Shares of the plot's height at which pings lie; whole numbers stand for the upper edges of newest on top."""
         upper, lower = self.ages
         return np.asarray((self.newest - ping - upper) / (lower - upper))
@@ -117,9 +116,7 @@ class Projection:
         signed = distance if mark.side else -distance
         return float(self.across(np.array(signed))), float(self.down(np.array(mark.ping - 0.5)))
 
-    def columns(
-        self, amplitude: NDArray[np.float32], altitude: Values, width: int, rows: NDArray[np.int64] | None = None
-    ) -> NDArray[np.float32]:
+    def columns(self, amplitude: Singles, altitude: Floats, width: int, rows: Integers | None = None) -> Singles:
         """Average bins into the columns of the plot, or repeat them where there are more columns than bins."""
         edges, nadir = self._edges(width)
         out = np.empty((len(altitude), width), dtype=np.float32)
@@ -131,13 +128,13 @@ class Projection:
             out[:, nadir:] = self._side(amplitude, starboard, edges[nadir:], altitude, rows)
         return out
 
-    def bins_of_columns(self, ping: int, width: int) -> NDArray[np.int64]:
+    def bins_of_columns(self, ping: int, width: int) -> Integers:
         """Range bin in the middle of every column in a ping, (width,); the last one beyond it."""
         edges, _ = self._edges(width)
         middle = np.abs(0.5 * (edges[1:] + edges[:-1]))
         return np.minimum(self.axis.bins_at(middle, self._altitude(ping)), self.axis.bins - 1).astype(np.int64)
 
-    def loudest(self, row: NDArray[np.float32], ping: int, width: int) -> NDArray[np.float32]:
+    def loudest(self, row: Singles, ping: int, width: int) -> Singles:
         """Loudest bin of every column of the plot in a ping, from its row from far port to far starboard; 0 beyond."""
         edges, nadir = self._edges(width)
         at, bins = self.axis.bins_at(np.abs(edges), self._altitude(ping)), self.axis.bins
@@ -148,10 +145,10 @@ class Projection:
             out[nadir:] = _loudest(row[bins:], at[nadir:])
         return out
 
-    def _altitude(self, ping: int) -> Values:
+    def _altitude(self, ping: int) -> Floats:
         return self.altitude_of(np.array([ping], dtype=np.int64))
 
-    def _edges(self, width: int) -> tuple[Values, int]:
+    def _edges(self, width: int) -> tuple[Floats, int]:
         """Distances at the edges of the columns, one of them exactly at nadir if it is shown, and which one."""
         edges = np.linspace(*self.shown, width + 1)
         if self.side != "both" or edges[0] >= 0.0 or edges[-1] <= 0.0:
@@ -161,13 +158,8 @@ class Projection:
         return edges, nadir
 
     def _side(
-        self,
-        amplitude: NDArray[np.float32],
-        bins: range,
-        distance: Values,
-        altitude: Values,
-        rows: NDArray[np.int64] | None,
-    ) -> NDArray[np.float32]:
+        self, amplitude: Singles, bins: range, distance: Floats, altitude: Floats, rows: Integers | None
+    ) -> Singles:
         position = place_columns(np.maximum(distance, 0.0), altitude, self.axis)
         found = average_columns(amplitude, position, picked=rows, bins=bins)
         if not self.axis.shows_water:
@@ -175,7 +167,7 @@ class Projection:
         return found
 
 
-def _loudest(values: NDArray[np.float32], at: Values) -> NDArray[np.float32]:
+def _loudest(values: Singles, at: Floats) -> Singles:
     """Greatest of the values that lie, if only in part, between successive positions; 0 beyond the last value."""
     first = np.minimum(at[:-1].astype(np.int64), values.size)
     end = np.maximum(np.minimum(np.ceil(at[1:]).astype(np.int64), values.size), np.minimum(first + 1, values.size))
@@ -209,7 +201,7 @@ def choose_axis(look: DisplayOptions, record: Record, slant_range: float) -> Ran
     return axis or RangeAxis(SLANT, record.bins, bin_length, slant_range)
 
 
-def row_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
+def row_factors(look: DisplayOptions, bins: int) -> Singles | None:
     """Factors on a row of a record, from far port to far starboard; None where there are none."""
     factors = side_factors(look, bins)
     return None if factors is None else np.concatenate([factors[0, ::-1], factors[1]])

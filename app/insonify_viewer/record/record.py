@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.scene import Scene
 from insonify_viewer.work.ping_request import TracedPings
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
-Rows = NDArray[np.int64]
 
 
 class Record:
@@ -34,17 +33,13 @@ class Record:
         """Range bins per side."""
         return self.amplitude.shape[1] // 2
 
-    def rows(self, pings: Rows) -> Rows:
+    def rows(self, pings: Integers) -> Integers:
         """Rows that hold these pings, or would hold them."""
         return self.pings - 1 - pings % self.pings
 
     def put(
-        self,
-        pings: Rows,
-        amplitude: NDArray[np.float32],
-        stamp: int | Rows,
-        altitude: NDArray[np.float64] | None = None,
-    ) -> Rows:
+        self, pings: Integers, amplitude: Singles, stamp: int | Integers, altitude: Floats | None = None
+    ) -> Integers:
         """Store traced pings."""
         rows = self.rows(pings)
         self.amplitude[rows, : self.bins] = amplitude[:, 0, ::-1]
@@ -54,11 +49,11 @@ class Record:
         self.altitude[rows] = np.nan if altitude is None else altitude
         return rows
 
-    def shown(self, newest: int) -> Rows:
+    def shown(self, newest: int) -> Integers:
         """Numbers of the pings on screen below the given newest one, newest first; the tow starts at ping 0."""
         return np.arange(newest, max(newest - self.pings, -1), -1, dtype=np.int64)
 
-    def missing(self, newest: int, stamp: int) -> Rows:
+    def missing(self, newest: int, stamp: int) -> Integers:
         """Pings on screen that the record lacks, or that were traced for a request older than ``stamp``."""
         pings = self.shown(newest)
         rows = self.rows(pings)
@@ -69,7 +64,7 @@ class Record:
         pings = self.shown(newest)
         return int((self.ping[self.rows(pings)] != pings).sum())
 
-    def altitude_of(self, pings: Rows) -> NDArray[np.float64]:
+    def altitude_of(self, pings: Integers) -> Floats:
         """Altitudes of pings in metres; 0 where they are not known or not stored."""
         rows = self.rows(pings)
         return np.where(self.ping[rows] == pings, np.nan_to_num(self.altitude[rows]), 0.0)

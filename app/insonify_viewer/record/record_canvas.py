@@ -4,11 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify.arrays import Booleans, Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, Levels
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record import record_overlays as overlays
@@ -21,7 +21,7 @@ from insonify_viewer.record.projection import (
     project_record,
     zoom_to_true_scale,
 )
-from insonify_viewer.record.record import Record, Rows
+from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_image import RecordImage, RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
@@ -82,7 +82,7 @@ class RecordCanvas(Painted):
         else:
             self._fit()
 
-    def show_rows(self, rows: Rows, reach: NDArray[np.float64] | None = None, *, preview: bool = False) -> None:
+    def show_rows(self, rows: Integers, reach: Floats | None = None, *, preview: bool = False) -> None:
         """Update rows that the record has just received, the last of a preview or not."""
         self._preview = preview
         if not preview:
@@ -165,7 +165,7 @@ class RecordCanvas(Painted):
             self.image.oldest = oldest
             self._paint_rows(np.flatnonzero(self.record.stamp < oldest))
 
-    def shown_columns(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    def shown_columns(self) -> tuple[Singles, Booleans]:
         """Return the display columns of the rows on screen, newest first, and which of them are stored."""
         pings = self.record.shown(self.top)
         rows = self.record.rows(pings)
@@ -263,7 +263,7 @@ class RecordCanvas(Painted):
         self.image.fit(self.record, self.projection, self.tone_map, width)
         self.update()
 
-    def _paint_rows(self, rows: Rows) -> None:
+    def _paint_rows(self, rows: Integers) -> None:
         self.image.paint(rows, self.projection, self.tone_map)
         self.update()
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QBuffer, QByteArray, QPoint, QRect, QRectF
 from PySide6.QtGui import QColor, QImage, QImageWriter, QPainter
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify_viewer.record.projection import Projection
-from insonify_viewer.record.record import Record, Rows
+from insonify_viewer.record.record import Record
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.widgets.painting import column_means, dimmed
 
@@ -37,7 +38,7 @@ class RecordImage:
         self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
         self.paint(np.arange(record.pings), projection, tone_map)
 
-    def put(self, rows: Rows, projection: Projection, tone_map: ToneMap, reach: NDArray[np.float64] | None) -> None:
+    def put(self, rows: Integers, projection: Projection, tone_map: ToneMap, reach: Floats | None) -> None:
         """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
         means = self._averaged(rows, projection)
         if reach is not None and rows.size:
@@ -46,12 +47,12 @@ class RecordImage:
         self._columns[rows] = means
         self._put_colours(rows, _coloured(means, projection, tone_map), projection)
 
-    def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
+    def paint(self, rows: Integers, projection: Projection, tone_map: ToneMap) -> None:
         """Colour rows that hold a ping anew; blank rows of pings outside the picture."""
         rows = rows[self._record.ping[rows] >= 0]
         self._put_colours(rows, _coloured(self._columns[rows], projection, tone_map), projection)
 
-    def _put_colours(self, rows: Rows, painted: NDArray[np.uint32], projection: Projection) -> None:
+    def _put_colours(self, rows: Integers, painted: NDArray[np.uint32], projection: Projection) -> None:
         """Show rows by their colours, which are written to; blank or dim some of them."""
         record = self._record
         stale = record.stamp[rows] < self.oldest
@@ -61,11 +62,11 @@ class RecordImage:
         self.pixels[self._places(rows)] = painted
         self.version += 1
 
-    def blank(self, rows: Rows) -> None:
+    def blank(self, rows: Integers) -> None:
         """Blank rows."""
         self.pixels[self._places(rows)] = EMPTY
 
-    def columns(self, rows: Rows) -> NDArray[np.float32]:
+    def columns(self, rows: Integers) -> Singles:
         """Amplitudes of some rows in display columns; negative beyond the last bin."""
         return np.asarray(self._columns[rows])
 
@@ -97,7 +98,7 @@ class RecordImage:
         QImageWriter(buffer, QByteArray(b"PNG")).write(picture)
         return bytes(buffer.data().data())
 
-    def _averaged(self, rows: Rows, projection: Projection) -> NDArray[np.float32]:
+    def _averaged(self, rows: Integers, projection: Projection) -> Singles:
         """Display columns of rows of the record."""
         record, width = self._record, self._columns.shape[1]
         altitude = np.nan_to_num(record.altitude[rows])
@@ -105,12 +106,12 @@ class RecordImage:
             return projection.columns(record.amplitude, altitude, width, rows)
         return projection.columns(record.amplitude[rows] * projection.factors, altitude, width)
 
-    def _places(self, rows: Rows) -> Rows:
+    def _places(self, rows: Integers) -> Integers:
         """Rows of the picture that show rows of the record."""
         return rows if self._downwards else self._record.pings - 1 - rows
 
 
-def _coloured(columns: NDArray[np.float32], projection: Projection, tone_map: ToneMap) -> NDArray[np.uint32]:
+def _coloured(columns: Singles, projection: Projection, tone_map: ToneMap) -> NDArray[np.uint32]:
     """Colours of display columns, blank beyond the last bin."""
     painted = tone_map.colours(columns)
     if not projection.axis.shows_water:
@@ -127,7 +128,7 @@ class RecordOverview:
         self._drawn: tuple[int, int, ToneMap] | None = None  # height, last ping and colours of the picture
         self._pixels: NDArray[np.uint32] = np.zeros((1, COLUMNS), dtype=np.uint32)
 
-    def put(self, record: Record, rows: Rows) -> None:
+    def put(self, record: Record, rows: Integers) -> None:
         """Take over rows that a record has just received."""
         stamp = int(record.stamp[rows].max(initial=-1))
         if stamp > self._stamp:
@@ -135,7 +136,7 @@ class RecordOverview:
         if rows.size and stamp == self._stamp:
             self.fill(record.ping[rows], column_means(record.amplitude[rows], COLUMNS))
 
-    def fill(self, pings: Rows, columns: NDArray[np.float32]) -> None:
+    def fill(self, pings: Integers, columns: Singles) -> None:
         """Take over the amplitudes of pings in `COLUMNS` columns."""
         if (beyond := int(pings.max(initial=-1)) + 1) > len(self._columns):
             self._columns = np.pad(
@@ -162,7 +163,7 @@ class RecordOverview:
         return QImage(self._pixels.data, COLUMNS, height, 4 * COLUMNS, QImage.Format.Format_RGB32)
 
 
-def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
+def blur_along_track(columns: Singles, reach: Floats) -> Singles:
     """Average energy over the number of successive pings that the beam covers."""
     half = 0.5 * np.maximum(reach, 1.0)
     margin = int(half.max() + 0.5) + 1

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Singles
 from insonify.display.display_options import DisplayOptions, Levels
 from insonify.display.picture import colour_rows, shown_palette, span_decibels
 from insonify_viewer.widgets.painting import colour_table, compress_highlights, with_highlights
@@ -20,17 +21,17 @@ class ToneMap(NamedTuple):
     decibels: bool  # whether colours are linear in decibels
     table: NDArray[np.uint32]  # (n,) colours as 0xffRRGGBB
 
-    def colours(self, amplitude: NDArray[np.float32]) -> NDArray[np.uint32]:
+    def colours(self, amplitude: Singles) -> NDArray[np.uint32]:
         """Colour amplitudes, as 0xffRRGGBB."""
         return colour_rows(self._scaled(amplitude), *self.ends, self.table)
 
-    def tones(self, amplitude: NDArray[np.float32]) -> NDArray[np.float32]:
+    def tones(self, amplitude: Singles) -> Singles:
         """Brightness of amplitudes, 0 to 1."""
         low, high = self.ends
         tones = (self._scaled(amplitude) - np.float32(low)) / np.float32(max(high - low, 1e-30))
         return np.clip(tones, 0.0, 1.0) if self.decibels else compress_highlights(tones)
 
-    def _scaled(self, amplitude: NDArray[np.float32]) -> NDArray[np.float32]:
+    def _scaled(self, amplitude: Singles) -> Singles:
         return np.float32(20.0) * np.log10(np.maximum(amplitude, SILENT)) if self.decibels else amplitude
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFilter
 
+from insonify.arrays import Bytes, Floats, Integers, Reals, Singles
 from insonify.display.picture import load_palette
 from insonify.optics.light import mixed_colour, shares_of
 from insonify.scene import Scene
@@ -30,20 +31,20 @@ SHADE = 0.55  # of the light, kept off by targets
 TONES = (0.3, 2.5)  # limits of shown brightness: diffuse share over that of the named material
 
 
-def target_colours(scene: Scene) -> NDArray[np.uint8]:
+def target_colours(scene: Scene) -> Bytes:
     """Colours of the targets by their materials, (targets, 3) uint8."""
     colours = np.array([MATERIALS[target.material.name].colour for target in scene.targets]).reshape(-1, 3)
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
 
 
-def depth_palette() -> NDArray[np.float64]:
+def depth_palette() -> Floats:
     """Colours of depths, (256, 3), from the deepest place of the bed to the shallowest."""
     return load_palette("viridis") / 255.0
 
 
 def bed_image(
     ground: Ground, centre: tuple[float, float], half: float, size: int, heights: tuple[float, float] | None = None
-) -> NDArray[np.uint8]:
+) -> Bytes:
     """Shade the bed within a window, seen from above, in the colours of its materials or of its depth."""
     # The colours of depths lie between the lowest and the highest of ``heights``.
     offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
@@ -65,11 +66,11 @@ def bed_image(
     return image
 
 
-def cast_shadows(patch: BedPatch, triangles: NDArray[np.floating]) -> BedPatch:
+def cast_shadows(patch: BedPatch, triangles: Reals) -> BedPatch:
     """Darken the picture of the bed where triangles, (n, 3, 3), keep the lamp off it."""
     size, nodes = len(patch.image), math.isqrt(len(patch.points))
 
-    def places(corners: NDArray[np.floating]) -> NDArray[np.float64]:
+    def places(corners: Reals) -> Reals:
         return (np.asarray(corners[..., :2]) - patch.centre) / (2.0 * patch.half) + 0.5
 
     at = np.clip((places(triangles) * (nodes - 1)).round().astype(np.int64), 0, nodes - 1)
@@ -83,7 +84,7 @@ def cast_shadows(patch: BedPatch, triangles: NDArray[np.floating]) -> BedPatch:
     return replace(patch, image=np.asarray(patch.image * light, np.uint8))
 
 
-def _colours(ground: Ground) -> NDArray[np.float32]:
+def _colours(ground: Ground) -> Singles:
     """Colours of the rows of the material table, (n, 3): that of the name, lighter or darker by the diffuse share."""
     named = [shares_of(name) for name in ground.names]
     colours = np.array([mixed_colour(shares) for shares in named])
@@ -93,7 +94,7 @@ def _colours(ground: Ground) -> NDArray[np.float32]:
     return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
 
 
-def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
+def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> Singles:
     """Bilinear heights on a grid along the axes."""
     ny, nx = ground.heights.shape
     j, part_y = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
@@ -105,7 +106,7 @@ def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[
 
 def _nodes(
     place: NDArray[Any], first: float, spacing: float, nodes: int, *, periodic: bool
-) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+) -> tuple[Integers, Singles]:
     """Index of the node before each coordinate, and the fraction of the cell after it; NaN outside the grid."""
     u = (np.asarray(place, dtype=np.float64) - first) / spacing
     low = np.floor(u).astype(np.int64)
@@ -116,7 +117,7 @@ def _nodes(
     return np.clip(low, 0, max(nodes - 2, 0)), part
 
 
-def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
+def _shade(z: Singles, spacing: float) -> Singles:
     """Hillshade of every pixel, about 1 on level bed, with slopes scaled to be visible."""
     slope_y, slope_x = np.gradient(z, np.float32(spacing))
     square = slope_x**2 + slope_y**2
@@ -127,7 +128,7 @@ def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
     return np.asarray(0.30 + 0.70 / lamp[2] * np.maximum(toward, 0.0), dtype=np.float32)
 
 
-def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.uint8]:
+def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> Bytes:
     """Material index at each point of a grid along the axes, (ny, nx)."""
     ny, nx = ground.materials.shape
     j, _ = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)

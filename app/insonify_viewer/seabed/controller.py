@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from psygnal import Signal
 
+from insonify.arrays import Bytes, Floats, Singles
 from insonify.kernels.common.types import Mesh, Poses, Solids
 from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from insonify.terrain import AnyGround
     from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
 
-    Vector = NDArray[np.float64]
+    Vector = Floats
     Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float, bool]
-    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8], tuple[Volume, ...]]
-    _Made = tuple[BedPatch, NDArray[np.uint8], Any, Any]  # bed, its colours, targets and volumes
+    _Bodies = tuple[Solids, Mesh, Bytes, tuple[Volume, ...]]
+    _Made = tuple[BedPatch, Bytes, Any, Any]  # bed, its colours, targets and volumes
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
@@ -60,7 +60,7 @@ class SeabedController:
         self.by_depth = False  # whether the bed is coloured by its depth
         self.shadows = False  # whether acoustic shadows of targets are shown
         self._shaded: PackedScene | None = None  # shadows on screen belong to this scene
-        self._latest: tuple[PackedScene, int, NDArray[np.float32], bool] | None = None
+        self._latest: tuple[PackedScene, int, Singles, bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
@@ -87,9 +87,7 @@ class SeabedController:
             load_qt_modules()
         self._executor.submit("libraries", self._import, lambda _: self._build(put))
 
-    def show_sonar(
-        self, simulation: PackedScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
-    ) -> None:
+    def show_sonar(self, simulation: PackedScene, ping: int, tones: Singles, *, at_once: bool = False) -> None:
         """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones, at_once)
         if self.mosaic is not None and self.mosaic.place != simulation.scene.georeference:  # of a scene elsewhere
@@ -157,7 +155,7 @@ class SeabedController:
         self._drape_asked += 1
         number = self._drape_asked
 
-        def show(image: NDArray[np.uint8] | None) -> None:
+        def show(image: Bytes | None) -> None:
             self._drape_shown = number
             if self.view is not None and image is not None and patch is self._patch:
                 self.view.show_texture(image)
@@ -358,7 +356,7 @@ class SeabedController:
         self.view.show_targets(*made[2:])
 
 
-def _picture_of(patch: BedPatch, strip: RecordStrip | None, mosaic: MosaicSheet | None) -> NDArray[np.uint8]:
+def _picture_of(patch: BedPatch, strip: RecordStrip | None, mosaic: MosaicSheet | None) -> Bytes:
     """Colours of a bed, with a mosaic and then a record laid over them unless they are None."""
     image = patch.image if mosaic is None else drape_mosaic(patch.image, patch.centre, patch.half, mosaic)
     return image if strip is None else drape_record(image, patch.centre, patch.half, strip)
@@ -374,7 +372,7 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
     return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)
 
 
-def silence(simulation: PackedScene) -> NDArray[np.float32]:
+def silence(simulation: PackedScene) -> Singles:
     """Tones of a scan line without echoes."""
     return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
 

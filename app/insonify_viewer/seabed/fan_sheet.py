@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from insonify.arrays import Floats
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
@@ -14,14 +15,12 @@ if TYPE_CHECKING:
 STEP = 0.01  # rad, launch angle that one triangle fills at most, where the bed allows
 APART = 0.02  # m by which neighbouring stretches may lie apart and be drawn as one
 
-Points = NDArray[np.float64]
-
 
 class FanSheet(NamedTuple):
     """Triangles of the fan of one ping, both sides, (n, 3, 3)."""
 
-    lit: Points  # from the sonar to the bed and the targets that it meets
-    shaded: Points  # from the targets to the bed behind them
+    lit: Floats  # from the sonar to the bed and the targets that it meets
+    shaded: Floats  # from the targets to the bed behind them
 
 
 def fan_sheet(simulation: Simulation, ping: int) -> FanSheet:
@@ -33,7 +32,7 @@ def fan_sheet(simulation: Simulation, ping: int) -> FanSheet:
     return FanSheet(*(np.concatenate([make(section) for section in sections]) for make in (_triangles, _shadows)))
 
 
-def _shadows(section: CrossSection) -> Points:
+def _shadows(section: CrossSection) -> Floats:
     """Triangles between what is visible of targets and the bed that they hide on one side, (n, 3, 3)."""
     faces = merge_stretches(np.concatenate([np.empty((0, 2, 2)), *(face for _, face in section.targets)]), section)
     if not len(faces):
@@ -52,14 +51,14 @@ def _shadows(section: CrossSection) -> Points:
     return section.sonar.to_world(section.azimuth, corners.reshape(-1, 2)).reshape(-1, 3, 3)
 
 
-def _triangles(section: CrossSection) -> Points:
+def _triangles(section: CrossSection) -> Floats:
     """Triangles of one side, (n, 3, 3)."""
     met = merge_stretches(np.concatenate([section.visible, *(face for _, face in section.targets)]), section)
     ends = [section.sonar.to_world(section.azimuth, met[:, k]) for k in range(2)]
     return np.stack([np.broadcast_to(section.sonar.place, ends[0].shape), *ends], axis=1)
 
 
-def merge_stretches(stretches: Points, section: CrossSection) -> Points:
+def merge_stretches(stretches: Floats, section: CrossSection) -> Floats:
     """Stretches by launch angle, those that join drawn as one up to `STEP`, (m, 2, 2)."""
     if not len(stretches):
         return stretches

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.targets import Target
 from insonify_viewer.state.inspection import Mark
@@ -33,8 +33,6 @@ DIGITS = 3  # of positions and sizes in metres
 SAMPLES = 4096  # along the line
 HALVINGS = 30
 CLEAR = 2.0  # m above the highest bed known, and below the lowest, between which the line is looked at
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -162,7 +160,7 @@ def _scaled(size: float, factor: float) -> float:
 
 
 def meet_bed(
-    ground: AnyGround, begin: Vector, end: Vector, heights: tuple[float, float]
+    ground: AnyGround, begin: Floats, end: Floats, heights: tuple[float, float]
 ) -> tuple[float, float, float] | None:
     """Find where a line of sight meets the bed first."""
     way = end - begin
@@ -185,7 +183,7 @@ def meet_bed(
     return float(x), float(y), float(z)
 
 
-def _above(ground: AnyGround, begin: Vector, way: Vector, share: Vector) -> Vector:
+def _above(ground: AnyGround, begin: Floats, way: Floats, share: Floats) -> Floats:
     """Heights of points of the line above the bed, m."""
     points = begin + np.multiply.outer(share, way)
     return np.asarray(points[:, 2] - ground.height_at_once(points[:, 0], points[:, 1]))

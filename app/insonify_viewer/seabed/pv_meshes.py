@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats, Integers, Singles
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.receiver.water_column import points_in_water
 from insonify.scene.targets.shape import rotation_matrix
@@ -43,8 +43,8 @@ class BedPatch:
     """Mesh and texture of the bed around the fish."""
 
     centre: tuple[float, float]  # (float, float) its middle, in local metres
-    points: NDArray[np.float32]  # (MESH_NODES², 3) nodes of the mesh
-    image: NDArray[np.uint8]  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
+    points: Singles  # (MESH_NODES², 3) nodes of the mesh
+    image: Bytes  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
     half: float  # half the side of the window, in metres
     depths: tuple[float, float] | None = None  # (float, float) ends of the colours of depths, in metres, if it has them
 
@@ -82,7 +82,7 @@ def bed_mesh(*, thinned: bool = False) -> Any:
     return mesh
 
 
-def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
+def targets_mesh(solids: Solids, mesh: Mesh, colours: Bytes) -> Any:
     """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out."""
     parts: list[Any] = []
     if len(mesh.corners):
@@ -106,7 +106,7 @@ def volumes_mesh(volumes: Sequence[Volume], ground: AnyGround) -> Any:
     return pv.PolyData(np.concatenate([np.empty((0, 3)), *clouds]).astype(np.float32))
 
 
-def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: float, last_radius: float) -> Any:
+def frustum_mesh(first: Floats, last: Floats, radius: float, last_radius: float) -> Any:
     """Return a cylinder, a cone or a frustum from the centres and radii of its ends."""
     axis = (last - first) / np.linalg.norm(last - first)
     aside = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[2]) > 0.7 else [0.0, 0.0, 1.0])
@@ -142,13 +142,13 @@ def cable_mesh(length: float) -> Any:
     return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
 
 
-def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
+def path_pings(ping: int, step: float, reach: float) -> Integers:
     """Choose the pings whose places are shown, given the metres between two pings; the tow starts at ping 0."""
     behind, ahead = (share * reach / step for share in PATH)
     return np.maximum(np.rint(np.linspace(ping - behind, ping + ahead, PATH_POINTS)), 0.0).astype(np.int64)
 
 
-def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
+def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> Floats:
     """Matrix that scales a mesh along +x and moves it to a pose, with its pitch and roll or level; (4, 4) float64."""
     pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
     matrix = np.eye(4)
@@ -157,14 +157,14 @@ def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> NDArray[n
     return matrix
 
 
-def triangles_mesh(triangles: NDArray[np.float64]) -> Any:
+def triangles_mesh(triangles: Floats) -> Any:
     """Return triangles of (n, 3, 3) corners as one surface."""
     corners = triangles.reshape(-1, 3)
     faces: Any = np.arange(len(corners)).reshape(-1, 3)
     return pv.PolyData.from_regular_faces(corners, faces)
 
 
-ScanLine = tuple[NDArray[np.float64], NDArray[np.float64]]
+ScanLine = tuple[Floats, Floats]
 
 
 class ScanFan:
@@ -179,13 +179,7 @@ class ScanFan:
         self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
-    def move(
-        self,
-        arrays: SceneArrays,
-        pose: Poses,
-        scanned: ScanLine,
-        tones: NDArray[np.float32],
-    ) -> None:
+    def move(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: Singles) -> None:
         """Move sheet and footprint to a pose."""
         line, slant = scanned
         ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
@@ -219,7 +213,7 @@ def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> ScanLine:
     return np.column_stack([x, y, z]), np.hypot(np.hypot(across, ahead), pose.z[0] - z)
 
 
-def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: float) -> NDArray[np.float64]:
+def _ahead(distance: Floats, height: float, pitch: float, squint: float) -> Floats:
     """Distance ahead of the fish at which its beam meets a level bed, given the distance athwart."""
     # With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is x cos p − h sin p = s
     # √(x² + d²); of the two roots of its square the one on the side of s.

@@ -4,9 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 import pyvista
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QSizeF, Qt
 from PySide6.QtGui import (
     QContextMenuEvent,
@@ -19,6 +17,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QWidget
 
+from insonify.arrays import Bytes
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.painting import Painted, image_of
 
@@ -140,7 +139,7 @@ class _PixelsWidget(Painted):
         self._image = QImage()
         self.clicked: Callable[[float, float], None] = lambda x, y: None
 
-    def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
+    def show_pixels(self, pixels: Bytes) -> None:
         self._image = image_of(pixels)
         self.update()
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 import pyvista
-from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QWidget
 
+from insonify.arrays import Floats
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.theme import ACCENT_IN_WATER, MARK_IN_WATER
 
@@ -114,7 +114,7 @@ class SeabedHandles(QObject):
                 within.append((action == "move", distance, number))
         return min(within)[2] if within else None
 
-    def _in_view(self, place: NDArray[np.float64]) -> tuple[float, float]:
+    def _in_view(self, place: Floats) -> tuple[float, float]:
         """Point of the view at which a place is seen, in device pixels from its lower left corner."""
         renderer = self._plotter.renderer
         renderer.SetWorldPoint(*place, 1.0)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pyvista
-from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QPointF, QTimer, Signal
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from insonify.arrays import Bytes, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
@@ -40,7 +40,6 @@ FRAMED = 0.5, 1.3  # least slope at which a framed body is seen, and the half he
 SLICES = 400  # of acoustic shadows, one a ping
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
-Points = NDArray[np.float64]
 BLOCKED, HIDDEN = "#ff7a5c", "#2a0f0a"
 LIFT = 0.002  # share of the slant range by which stretches of the bed are drawn above it
 
@@ -63,7 +62,7 @@ class SeabedView(QWidget):
         self._bed_shown = self._held = False
         self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
-        self.shadows: list[Points] = []  # slices of the acoustic shadows that are shown
+        self.shadows: list[Floats] = []  # slices of the acoustic shadows that are shown
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
         self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
@@ -85,7 +84,7 @@ class SeabedView(QWidget):
         )
         self._canvas.widget.setAccessibleName("Seabed in 3-D")
 
-    def show_bed(self, patch: BedPatch, picture: NDArray[np.uint8] | None = None) -> None:
+    def show_bed(self, patch: BedPatch, picture: Bytes | None = None) -> None:
         """Show another bed in its own colours or, from its first drawing on, under a picture."""
         self._bed.points = patch.points
         nodes = patch.points.reshape(pv_meshes.MESH_NODES, pv_meshes.MESH_NODES, 3)  # its edges stay when it is thinned
@@ -103,7 +102,7 @@ class SeabedView(QWidget):
             self._volumes_actor.prop.opacity = CLOUDED * opacity
             self._later()
 
-    def show_texture(self, picture: NDArray[np.uint8]) -> None:
+    def show_texture(self, picture: Bytes) -> None:
         """Show other colours of the bed."""
         image = pv.Texture(picture).to_image()
         for actor in (self._bed_actor, self._thinned_actor):  # OpenGL would keep the pixels of other textures for good
@@ -126,20 +125,20 @@ class SeabedView(QWidget):
         self._follow(pose, heading, reach)
         self._later()
 
-    def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: NDArray[np.float32]) -> None:
+    def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: Singles) -> None:
         """Move fan and footprint to the line of the bed that is scanned."""
         self._fan.move(arrays, pose, scanned, tones)
         self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
         self._sheet_actor.visibility = self._footprint_actor.visibility = True
         self._later()
 
-    def show_sheet(self, triangles: NDArray[np.float64]) -> None:
+    def show_sheet(self, triangles: Floats) -> None:
         """Show the fan as triangles, (n, 3, 3), until the sonar moves on."""
         if len(triangles):
             self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
             self._later()
 
-    def show_shadows(self, slices: Sequence[Points]) -> None:
+    def show_shadows(self, slices: Sequence[Floats]) -> None:
         """Show the last slices of acoustic shadows, each of triangles (n, 3, 3)."""
         self.shadows = [each for each in slices if len(each)][-SLICES:]
         self._shadow_actor.visibility = bool(self.shadows)
@@ -180,12 +179,12 @@ class SeabedView(QWidget):
         """Signal that a menu is wanted at a place of the view."""
         self.menu_wanted.emit(*self._look_from(place), self._canvas.widget.mapToGlobal(place))
 
-    def _look_from(self, place: QPoint | QPointF) -> tuple[Points, Points, Points | None]:
+    def _look_from(self, place: QPoint | QPointF) -> tuple[Floats, Floats, Floats | None]:
         """Line of sight through a place of the widget, and the place of a target that it meets."""
         widget, ratio = self._canvas.widget, self._canvas.widget.devicePixelRatioF()
         return self._look(place.x() * ratio, (widget.height() - 1.0 - place.y()) * ratio)
 
-    def _look(self, x: float, y: float) -> tuple[Points, Points, Points | None]:
+    def _look(self, x: float, y: float) -> tuple[Floats, Floats, Floats | None]:
         """Return the ends of the line of sight through a point of the view, and the place of a target that it meets."""
         renderer, ends = self._canvas.plotter.renderer, self._sight(x, y)
         picker = pv._vtk.vtkCellPicker()
@@ -195,7 +194,7 @@ class SeabedView(QWidget):
         met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
         return ends[0], ends[1], np.array(picker.GetPickPosition()) if met else None
 
-    def _sight(self, x: float, y: float) -> list[NDArray[np.float64]]:
+    def _sight(self, x: float, y: float) -> list[Floats]:
         """Return the ends of the line of sight through a point of the view."""
         renderer, ends = self._canvas.plotter.renderer, []
         for depth in (0.0, 1.0):
@@ -379,12 +378,12 @@ class SeabedView(QWidget):
         self._drawn = time.perf_counter()
 
 
-def _place_of(pose: Poses) -> NDArray[np.float64]:
+def _place_of(pose: Poses) -> Floats:
     """Place of the first of some poses."""
     return np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64)
 
 
-def _about_z(angle: float) -> NDArray[np.float64]:
+def _about_z(angle: float) -> Floats:
     """Rotation matrix about z by an angle in radians."""
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
@@ -423,7 +422,7 @@ class SoundActors:
 
     def show(self, drawing: SoundDrawing | None, reach: float) -> None:
         """Draw the sound of a pixel, at a view's slant range in metres; None hides it."""
-        lines: dict[str, Sequence[Points]] = dict.fromkeys(self.actors, ())
+        lines: dict[str, Sequence[Floats]] = dict.fromkeys(self.actors, ())
         if drawing is not None:
             lift = np.array([0.0, 0.0, LIFT * reach])
             lines = {
@@ -438,7 +437,7 @@ class SoundActors:
                 actor.mapper.SetInputData(polylines(lines[name]))
 
 
-def polylines(lines: Sequence[Points]) -> Any:
+def polylines(lines: Sequence[Floats]) -> Any:
     """Mesh of several lines, each of (n, 3) points."""
     first, cells = 0, []
     for line in lines:

@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
 from psygnal import Signal
 
+from insonify.arrays import Floats
 from insonify.io.contacts import SIDES, Contact
 
-Points = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 
@@ -35,10 +33,10 @@ def mark_of(contact: Contact) -> Mark:
 class SoundDrawing:
     """The sound of one pixel in three dimensions, in local coordinates, m."""
 
-    rays: tuple[Points, ...]  # rays of the sound that returns, and of the sound that something keeps from the bed
-    blocked: tuple[Points, ...]
-    heard: Points  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
-    hidden: Points
+    rays: tuple[Floats, ...]  # rays of the sound that returns, and of the sound that something keeps from the bed
+    blocked: tuple[Floats, ...]
+    heard: Floats  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
+    hidden: Floats
 
 
 class Inspection:

@@ -6,8 +6,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.kernels.common.types import Mesh, Poses, Solids
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def _first_abeam(simulation: Simulation) -> int | None:
     return min(pings, default=None)
 
 
-def _ends(solids: Solids, mesh: Mesh) -> NDArray[np.float64]:
+def _ends(solids: Solids, mesh: Mesh) -> Floats:
     """Horizontal positions of solids' ends and of mesh corners; only the outermost if there are many, (n, 2)."""
     places = np.concatenate(
         [solids.start, solids.start + solids.length[:, None] * solids.axis, mesh.corners.reshape(-1, 3)]

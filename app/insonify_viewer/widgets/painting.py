@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPixmap, 
 from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
 
+from insonify.arrays import Bytes, Reals, Singles
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.theme import ACCENT, GROUND, HALO, MARK, MARK_IN_WATER
 
@@ -89,7 +90,7 @@ def rounded_pen(colour: QColor | str, width: float, alpha: int = 255) -> QPen:
     return QPen(mixed, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap)
 
 
-def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float32]:
+def column_means(amplitude: Singles, width: int) -> Singles:
     """Average bins into display columns, or repeat them where there are more columns than bins."""
     bins = amplitude.shape[1]
     edges = np.arange(width + 1) * bins // width
@@ -99,7 +100,7 @@ def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float
     return np.asarray(sums / np.diff(edges).astype(np.float32), dtype=np.float32)
 
 
-def compress_highlights(tone: NDArray[np.float32]) -> NDArray[np.float32]:
+def compress_highlights(tone: Singles) -> Singles:
     """Tones of amplitudes between the two levels (0 and 1) and beyond, from 0 to 1."""
     # Up to `KNEE` they stay as they are. Beyond, they grow with the logarithm up to `HEADROOM` times the upper level,
     # so that a target far above the bed keeps its highlights apart.
@@ -109,7 +110,7 @@ def compress_highlights(tone: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(np.where(above > 0.0, np.minimum(curved, 1.0), np.maximum(tone, 0.0)), dtype=np.float32)
 
 
-def colour_table(palette: NDArray[np.uint8]) -> NDArray[np.uint32]:
+def colour_table(palette: Bytes) -> NDArray[np.uint32]:
     """Pack a palette of (256, 3) bytes into (256,) words 0xffRRGGBB."""
     red, green, blue = palette.astype(np.uint32).T
     return np.asarray(0xFF000000 | red << 16 | green << 8 | blue, dtype=np.uint32)
@@ -137,7 +138,7 @@ def round_steps(low: float, high: float, most: int) -> list[float]:
     return [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
 
 
-def make_polyline(x: NDArray[np.floating], y: NDArray[np.floating]) -> QPolygonF:
+def make_polyline(x: Reals, y: Reals) -> QPolygonF:
     """Line through points; the coordinates are copied at once, because an object for each point takes far longer."""
     line = QPolygonF()
     line.resize(x.size)
@@ -155,7 +156,7 @@ def two_sided_table() -> NDArray[np.uint32]:
     return colour_table(np.rint(mixed).astype(np.uint8))
 
 
-def image_of(pixels: NDArray[np.uint8]) -> QImage:
+def image_of(pixels: Bytes) -> QImage:
     """Copy pixels into an image: (rows, columns) grey, or (rows, columns, 3 or 4) red, green, blue, opacity."""
     pixels = np.ascontiguousarray(pixels)
     rows, columns = pixels.shape[:2]

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats, Integers, Singles
 from insonify.scene import Scene
 from insonify_viewer.state.history import Modelling
 
@@ -26,7 +26,7 @@ class PingRequest:
     number: int  # number of the edit that the request is for
     scene: Scene  # scene to trace
     modelling: Modelling  # its modelling
-    pings: NDArray[np.int64]  # (n,) pings wanted, the most urgent first
+    pings: Integers  # (n,) pings wanted, the most urgent first
     # Whether to trace by the modelling; else by one plane, over new endless ground that is thinned, and at first, if
     # that takes long, every few pings.
     fine: bool
@@ -43,20 +43,20 @@ class TracedPings:
 
     number: int  # as in the request
     fine: bool
-    pings: NDArray[np.int64]  # (n,) their numbers
-    amplitude: NDArray[np.float32]  # (n, 2, bins) amplitude relative to the level bed's
+    pings: Integers  # (n,) their numbers
+    amplitude: Singles  # (n, 2, bins) amplitude relative to the level bed's
     level: LevelBed  # intensities of a level bed, at which the amplitude is 1
     simulation: Simulation  # the simulation that traced them
     seconds: float  # time that tracing took
-    between: NDArray[np.bool_]  # (n,) whether amplitudes are interpolated between traced pings
+    between: Booleans  # (n,) whether amplitudes are interpolated between traced pings
     # (n,) height of the sonar above the bed at each ping in metres; NaN where there is no bed.
-    altitude: NDArray[np.float64]
+    altitude: Floats
     # (bins,) number of pings that the beam covers, over which the view still has to average.
-    reach: NDArray[np.float64] | None = None
+    reach: Floats | None = None
     example: bool = False  # whether they come with the package, shown until the first pings are traced
 
     @property
-    def stamps(self) -> NDArray[np.int64]:
+    def stamps(self) -> Integers:
         """Stamp of each ping, (n,): later edits and finer pictures have greater ones."""
         return stamp_of(self.number, np.where(self.between, INTERPOLATED, FINE if self.fine else COARSE))
 
@@ -73,7 +73,7 @@ class SimulatedScene(NamedTuple):
     level: LevelBed
 
 
-def find_altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def find_altitude(simulation: Simulation, pings: Integers) -> Floats:
     """Height of the sonar above the bed at pings, in metres; NaN where there is no bed."""
     poses = simulation.poses(pings)
     return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from psygnal import Signal
 
+from insonify.arrays import Booleans, Floats, Integers, Singles
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer.errors import describe_error
@@ -101,7 +101,7 @@ class Simulator:
         """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
         self._lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
 
-    def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def trace_beside(self, scene: Scene, modelling: Modelling, pings: Integers) -> Singles:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
         # lazy: loaded beside the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
@@ -178,9 +178,7 @@ class Simulator:
             altitude = find_altitude(simulation, block)
             yield TracedPings(request.number, True, block, amplitude, level, simulation, seconds, between, altitude)
 
-    def _refine(
-        self, level: LevelBed, pings: NDArray[np.int64], passed: float
-    ) -> Iterator[tuple[NDArray[np.float32], NDArray[np.bool_], float]]:
+    def _refine(self, level: LevelBed, pings: Integers, passed: float) -> Iterator[tuple[Singles, Booleans, float]]:
         """Yield amplitudes of pings, which are interpolated, and the seconds it took: at first every few, then all."""
         # Of pings that take long something newer may wait for, only the first come.
         stride, begun = self._stride(len(pings), passed), time.perf_counter()
@@ -199,9 +197,9 @@ class Simulator:
             amplitude[rest] = level.amplitudes(pings[rest])
             between[rest], seconds = False, time.perf_counter() - begun
 
-    def _trace_coarsely(self, level: LevelBed, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def _trace_coarsely(self, level: LevelBed, pings: Integers) -> Singles:
         """Amplitudes of the first pings: of all, unless it takes long and something newer waits."""
-        parts: list[NDArray[np.float32]] = []
+        parts: list[Singles] = []
         done, size, begun = 0, FIRST_COARSE, time.perf_counter()
         while done < len(pings):
             parts.append(level.amplitudes(pings[done : done + size]))
@@ -222,13 +220,7 @@ class Simulator:
         return stride
 
     def _prepared(
-        self,
-        scene: Scene,
-        modelling: Modelling,
-        *,
-        fine: bool,
-        number: int = 0,
-        beneath: NDArray[np.int64] | None = None,
+        self, scene: Scene, modelling: Modelling, *, fine: bool, number: int = 0, beneath: Integers | None = None
     ) -> tuple[Simulation, LevelBed]:
         """Prepare a scene, of its ground no more than lies beneath some pings, if they are given."""
         # The last simulation is used again if the scene is the same.
@@ -249,9 +241,7 @@ class Simulator:
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
 
-    def _packed(
-        self, scene: Scene, number: int, beneath: NDArray[np.int64] | None, *, tell: bool
-    ) -> dict[str, PackedScene]:
+    def _packed(self, scene: Scene, number: int, beneath: Integers | None, *, tell: bool) -> dict[str, PackedScene]:
         """Build the bed of a scene and announce it, so that it is shown while kernels are compiled."""
         if self._pack is None:
             return {}
@@ -290,7 +280,7 @@ def _prepare(scene: Scene, **how: Any) -> Simulation:
     return prepare(scene, **how)
 
 
-def interpolate_pings(amplitude: NDArray[np.float32], between: NDArray[np.bool_]) -> None:
+def interpolate_pings(amplitude: Singles, between: Booleans) -> None:
     """Interpolate some rows of amplitudes between the nearest others, or repeat the last of these, in place."""
     rows, known = np.flatnonzero(between), np.flatnonzero(~between)
     if rows.size:
@@ -301,7 +291,7 @@ def interpolate_pings(amplitude: NDArray[np.float32], between: NDArray[np.bool_]
         amplitude[rows] = amplitude[one] + share * (amplitude[other] - amplitude[one])
 
 
-def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
+def _reach(simulation: Simulation) -> Floats | None:
     """Count the pings that the beam covers, by range bin; None if averaging would also blur speckle or noise."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
@@ -339,7 +329,7 @@ def thin_new_ground(scene: Scene, known: Scene | None) -> Scene:
     return scene
 
 
-def pack_beneath(scene: Scene, pings: NDArray[np.int64]) -> PackedScene:
+def pack_beneath(scene: Scene, pings: Integers) -> PackedScene:
     """Pack a scene over endless ground, limited to what some pings reach."""
     # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.packing.packed_scene import pack

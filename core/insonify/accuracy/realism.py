@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats
 from insonify.errors import SceneError
 from insonify.statistics.image_textures import LEAST, measure_texture
 
-Floats = NDArray[np.float64]
-Images = Sequence[NDArray[np.uint8]]
+Images = Sequence[Bytes]
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 MOST = 2000  # images of a folder, evenly chosen
 FEWEST = 10

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
 from insonify.scene.sonar import Sonar
@@ -50,9 +50,7 @@ def is_patterned(scene: Scene) -> bool:
     return not beam.top_hat or beam.axis != 0.0 or tilts or scene.sonar.vertical.shades
 
 
-def vertical_energy(
-    vertical: VerticalBeamKind, wavelength: float, passes: int, depression: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def vertical_energy(vertical: VerticalBeamKind, wavelength: float, passes: int, depression: Floats) -> Floats:
     """Response of a vertical beam in the plane across the fish, as the tracers' `vertical_response` has it."""
     response = vertical.response
     if response.shape == "every_grazing":

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.seabed.materials import Material
 from insonify.scene.seabed.materials.sediments import (
@@ -20,7 +20,7 @@ from insonify.scene.seabed.materials.sediments import (
 GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # degrees at which misfits are listed
 
 
-def misfit(material: Material, frequency: float, grazing: NDArray[np.float64]) -> NDArray[np.float64] | None:
+def misfit(material: Material, frequency: float, grazing: Floats) -> Floats | None:
     """Level in dB of Lambert's and Phong's laws over the model of a material, by grazing angle; None without one."""
     if material.model is None:
         return None

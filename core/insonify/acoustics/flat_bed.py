@@ -8,8 +8,8 @@ Theory: docs/theory/error.md.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.compiler.jit import kernel
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.range_bins import range_weight
@@ -27,9 +27,7 @@ def _first_weight(decay: RangeDecay, k: int, position: float, span: float) -> fl
     return range_weight(decay, k, position, span)
 
 
-def flat_bed_curve(
-    arrays: SceneArrays, altitude: float, reflectivity: Reflectivity | None = None
-) -> NDArray[np.float64]:
+def flat_bed_curve(arrays: SceneArrays, altitude: float, reflectivity: Reflectivity | None = None) -> Floats:
     """Record of a level bed under a level sonar with a uniform vertical beam."""
     diffuse, specular, shininess = (reflectivity or LAMBERT)[:3]
     edges = np.arange(arrays.bins + 1) * arrays.bin_length
@@ -52,7 +50,7 @@ def flat_bed_curve(
     return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r) * factor, 0.0)
 
 
-def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
+def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> Floats:
     """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
     # A sonar below the mean bed, in a trough, is taken one bin above it.
     altitudes, which = np.unique(np.maximum(poses.z, arrays.bin_length), return_inverse=True)
@@ -60,7 +58,7 @@ def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.flo
     return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
 
-def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
+def along_track_width(arrays: SceneArrays, x: Floats, r: Floats) -> Floats:
     """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres."""
     # The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
     # |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide

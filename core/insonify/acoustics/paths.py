@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from insonify.acoustics.rays import ALONG_STATIONS, find_shadows, follow_paths, join_points, list_rows
 from insonify.acoustics.water import make_sound_speed_field
+from insonify.arrays import Booleans, Dataset, Floats, Integers
 from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
 from insonify.kernels.refraction.ray_paths import CAUSTIC_COLUMNS, ON_BED, RayLimits, RayPoints, trace_caustics
 from insonify.scene import SceneError
 from insonify.scene.water import WaterKind
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-Values = NDArray[np.float64]
 ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
 POINTS = 201  # points of a path when no ranges are given
 
@@ -32,7 +29,7 @@ def ray_paths(
     max_range: float,
     bottom: float | None = None,
     ranges: ArrayLike | None = None,
-) -> xr.Dataset:
+) -> Dataset:
     """Trace rays through water.
 
     Parameters
@@ -79,7 +76,7 @@ def eigenrays(
     *,
     bottom: float | None = None,
     reflections: int = 0,
-) -> xr.Dataset:
+) -> Dataset:
     """Find the rays that join two points.
 
     Parameters
@@ -124,7 +121,7 @@ def eigenrays(
 
 def shadow_zones(
     water: WaterKind, source_depth: float, depth: float, *, max_range: float, bottom: float | None = None
-) -> Values:
+) -> Floats:
     """Find the shadow zones: ground ranges at which no direct ray reaches a depth.
 
     Parameters
@@ -159,7 +156,7 @@ def shadow_zones(
 
 def caustics(
     water: WaterKind, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
-) -> xr.Dataset:
+) -> Dataset:
     """Find the points at which rays touch caustics, where the ray tube has no width.
 
     Parameters
@@ -196,7 +193,7 @@ def caustics(
 
 def airy_pressure(
     frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
-) -> NDArray[np.float64]:
+) -> Floats:
     """Sound pressure near a caustic from the ray that has touched it and the one that has not; finite on it."""
     from scipy.special import airy
 
@@ -211,7 +208,7 @@ def airy_pressure(
 
 def _prepare_paths(
     water: WaterKind, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
-) -> tuple[LaidWater, Values, RayLimits]:
+) -> tuple[LaidWater, Floats, RayLimits]:
     """Check parameters of `ray_paths` and return the packed water, the launch angles and the limits of rays."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     if launch.ndim != 1:
@@ -227,7 +224,7 @@ def _prepare_paths(
     )
 
 
-def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.Dataset:
+def _as_paths(launch: Floats, points: RayPoints, ends: Integers) -> Dataset:
     """Dataset of ray paths, with as many points as the longest has."""
     import xarray as xr
 
@@ -248,7 +245,7 @@ def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.
     return dataset.isel(point=slice(0, max(int(there.any(axis=0).sum()), 1)))
 
 
-def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
+def _as_eigenrays(rows: Floats, target_range: float) -> Dataset:
     """Dataset of the eigenrays between two points."""
     import xarray as xr
 
@@ -283,12 +280,12 @@ def _height_of(bottom: float | None) -> float:
     return -math.inf if bottom is None else -float(bottom)
 
 
-def _downwards(cosine: Values, sine: Values) -> Values:
+def _downwards(cosine: Floats, sine: Floats) -> Floats:
     """Direction in degrees below the horizontal."""
     return np.degrees(np.arctan2(0.0 - sine, cosine))
 
 
-def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:
+def _ranges(ranges: ArrayLike | None, max_range: float) -> Floats:
     """Ground ranges at which points are wanted, checked, m."""
     if ranges is None:
         return np.linspace(0.0, max_range, POINTS)
@@ -301,7 +298,7 @@ def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:
     return wanted
 
 
-def _first(values: Values, good: NDArray[np.bool_]) -> str:
+def _first(values: Floats, good: Booleans) -> str:
     return f"{values[~good][0]:g}"
 
 

@@ -5,8 +5,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene.sonar.pulses import PulseKind
 
 SAMPLES = 64  # of a response, per bin and per resolution cell
@@ -19,11 +19,11 @@ MOST_SAMPLES = 1 << 25  # of summed waves: half a gigabyte
 class Taps(NamedTuple):
     """Shares of the energy of a bin that a pulse spreads over the bins around it."""
 
-    weights: NDArray[np.float64]  # (n,) one for each bin reached, near to far
+    weights: Floats  # (n,) one for each bin reached, near to far
     before: int  # number of bins reached that are nearer than the bin itself
 
 
-def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) -> NDArray[np.float64]:
+def envelope(pulse: PulseKind, offset: Floats, sound_speed: float) -> Floats:
     """Amplitude of the echo of a point after the receiver's filter, 1 at its peak."""
     return pulse.envelope(2.0 * np.asarray(offset) / sound_speed)
 
@@ -62,19 +62,19 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
     return Taps(weights, before)
 
 
-def spread_curve(curve: NDArray[np.float64], taps: Taps) -> NDArray[np.float64]:
+def spread_curve(curve: Floats, taps: Taps) -> Floats:
     """Mean energies of bins, (bins,), spread by a pulse; beyond the last bin they are those of the last."""
     beyond = np.pad(curve, (0, taps.before), "edge")
     return np.convolve(beyond, taps.weights)[taps.before :][: curve.size]
 
 
-def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> Floats:
     """Correlation of the amplitudes of range bins, for many small scatterers."""
     exact = pulse.coherence(0.5 * sound_speed * pulse.length / bin_length)
     return _integrated_coherence(pulse, sound_speed, bin_length) if exact is None else exact
 
 
-def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> Floats:
     """Correlate the envelope with itself, sampled finely, at whole bins."""
     cell = pulse.cell(sound_speed)
     length = min(0.5 * sound_speed * pulse.length, COHERENT_CELLS * cell)
@@ -91,7 +91,7 @@ def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: floa
 
 
 @lru_cache(maxsize=16)
-def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Floats:
     """Weights of a filter that gives white noise the coherence of a pulse."""
     line = coherence(pulse, sound_speed, bin_length)
     if line.size == 1:

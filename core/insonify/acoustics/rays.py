@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats
 from insonify.kernels.common.types import Water
 from insonify.kernels.refraction.eigenray_search import (
     ANGLE,
@@ -28,7 +28,6 @@ from insonify.kernels.refraction.eigenray_search import (
 from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ray_paths
 from insonify.kernels.refraction.section_arcs import SectionPlane
 
-Values = NDArray[np.float64]
 ROOM = 1024  # rows of a list at first
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
@@ -38,12 +37,7 @@ ALONG_STATIONS = SectionPlane(0.0, 1.0)
 
 
 def follow_paths(
-    water: Water,
-    height: float,
-    angles: Values,
-    ranges: Values,
-    limits: RayLimits,
-    along: SectionPlane = ALONG_STATIONS,
+    water: Water, height: float, angles: Floats, ranges: Floats, limits: RayLimits, along: SectionPlane = ALONG_STATIONS
 ) -> tuple[RayPoints, Any]:
     """Follow rays through the water, usually along the line of its stations."""
     shape = (angles.size, ranges.size + 1)
@@ -55,7 +49,7 @@ def follow_paths(
     return points, ends
 
 
-def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Values:
+def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Floats:
     """Find the rays between two points."""
     span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
@@ -65,7 +59,7 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
     return found[np.argsort(found[:, ANGLE], kind="stable")]
 
 
-def list_rows(fill: Callable[[Values], int], columns: int) -> Values:
+def list_rows(fill: Callable[[Floats], int], columns: int) -> Floats:
     """All rows of a kernel that fills as many as there is room for and returns how many it filled, or would fill."""
     room = ROOM
     while True:
@@ -76,7 +70,7 @@ def list_rows(fill: Callable[[Values], int], columns: int) -> Values:
         room = max(2 * room, count + 1)
 
 
-def _critical_angles(water: Water, span: EndPoints) -> Values:
+def _critical_angles(water: Water, span: EndPoints) -> Floats:
     """Launch angles at which rays graze a node, an end of the water or the target height, in radians, ascending."""
     nodes = (water.height > span.low) & (water.height < span.high)
     heights = np.array([z for z in (span.z_to, span.low, span.high) if math.isfinite(z)])
@@ -87,7 +81,7 @@ def _critical_angles(water: Water, span: EndPoints) -> Values:
     return np.concatenate(halves)
 
 
-def _join_across(water: Water, span: EndPoints) -> Values:
+def _join_across(water: Water, span: EndPoints) -> Floats:
     """Find the eigenrays between two points of a section by bisecting a fan of rays about the point."""
     lower, upper = sorted((span.z_from, span.z_to))
     heights = np.linspace(lower - span.x, upper + span.x, FAN // 2)
@@ -112,12 +106,12 @@ def _join_across(water: Water, span: EndPoints) -> Values:
     return found[np.argsort(found[:, ANGLE], kind="stable")]
 
 
-def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
+def _opposite_signs(a: Floats, b: Floats) -> Booleans:
     """Whether one of two values is above 0 and the other is not; never for NaN."""
     return np.isfinite(a) & np.isfinite(b) & ((a > 0.0) != (b > 0.0))
 
 
-def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
+def _arrive(water: Water, span: EndPoints, angles: Floats) -> Floats:
     """Rays at the range of a point; column X is their height there, NaN for rays that do not reach it."""
     # A point on a reflecting boundary lies between rays that are reflected before it and beyond it.
     most = span.reflections + (span.z_to in (span.low, span.high))
@@ -134,18 +128,18 @@ def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
     return rows
 
 
-def _miss(span: EndPoints, rows: Values) -> Values:
+def _miss(span: EndPoints, rows: Floats) -> Floats:
     """Height of rays above the point, in metres, unfolded across a reflecting boundary on which the point lies."""
     return _reflection_sign(span, rows) * (rows[:, X] - span.z_to)
 
 
-def _rise(span: EndPoints, rows: Values) -> Values:
+def _rise(span: EndPoints, rows: Floats) -> Floats:
     """Slope dz/dθ0 of the height above the point over the launch angle, in m/rad."""
     mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
     return _reflection_sign(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
 
 
-def _reflection_sign(span: EndPoints, rows: Values) -> Values:
+def _reflection_sign(span: EndPoints, rows: Floats) -> Floats:
     """Sign of the unfolded height: -1 after an odd number of reflections at the boundary with the point, else 1."""
     if span.z_to == span.low:
         return 1.0 - 2.0 * (rows[:, BOTTOMS] % 2)
@@ -155,8 +149,8 @@ def _reflection_sign(span: EndPoints, rows: Values) -> Values:
 
 
 def _bisect(
-    water: Water, span: EndPoints, a: Values, b: Values, value: Callable[[EndPoints, Values], Values]
-) -> Values:
+    water: Water, span: EndPoints, a: Floats, b: Floats, value: Callable[[EndPoints, Floats], Floats]
+) -> Floats:
     """Bisect between rays ``a`` and ``b`` to the sign change of a value; return the ray with fewer reflections."""
     above = value(span, a) > 0.0
     first, last = a.copy(), b.copy()
@@ -168,7 +162,7 @@ def _bisect(
     return np.where(fewer[:, None], first, last)
 
 
-def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
+def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Floats:
     """Find the shadow zones: ranges at which no direct ray reaches a height in layered water."""
     span = EndPoints(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
     edges = _critical_angles(water, span)

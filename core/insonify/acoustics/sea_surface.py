@@ -7,8 +7,8 @@ At sonar frequencies a rough surface of rms height h keeps exp(−4k²h² sin²�
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
 from insonify.scene.water.surfaces import SurfaceKind
 
@@ -25,7 +25,7 @@ def make_surface_multipath(surface: SurfaceKind) -> SurfaceMultipath:
     return SurfaceMultipath(True, *paths, surface.rms_height, surface.slope_variance, facets())
 
 
-def facets() -> NDArray[np.float64]:
+def facets() -> Floats:
     """Equally likely facets that represent a rough sea surface."""
     heights = _heights(2 * STRATA)
     ranks = 7 * (np.arange(STRATA) + 1) % (STRATA + 1) - 1
@@ -37,7 +37,7 @@ def facets() -> NDArray[np.float64]:
     return np.stack(rows)
 
 
-def _heights(strata: int) -> NDArray[np.float64]:
+def _heights(strata: int) -> Floats:
     """Return the ends of equally likely strata of a Gaussian, (strata, 2); uniform within them, its variance is 1."""
     from scipy import special  # lazy: takes longer to import than a preview takes to trace
 
@@ -47,7 +47,7 @@ def _heights(strata: int) -> NDArray[np.float64]:
     return np.asarray(ends / math.sqrt((ends**2).sum() / 3.0 / strata + ends.prod(axis=1).sum() / 3.0 / strata))
 
 
-def _squared_tilts(shape: float) -> NDArray[np.float64]:
+def _squared_tilts(shape: float) -> Floats:
     """Return the ends of equally likely strata of a gamma distribution, (strata, 2); uniform within, its mean is 1."""
     from scipy import special  # lazy, as above
 

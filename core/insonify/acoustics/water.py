@@ -6,14 +6,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Floats, Integers
 from insonify.kernels.common.types import Water, still_water
 from insonify.scene import Scene
 from insonify.scene.water import WaterKind
 from insonify.scene.water.absorptions import NEPER_PER_DB, AbsorptionKind
 
-Values = NDArray[np.float64]
 DEPTHS = 64  # at which the sound speed between sonar and bed is sampled
 
 
@@ -26,11 +26,11 @@ def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: 
 class SoundSpeedField:
     """Speed of sound, linear between its points (in a section over triangles) and constant beyond them."""
 
-    depth: Values  # (n,) metres, increasing
+    depth: Floats  # (n,) metres, increasing
     # (m,) metres along a level line through the scene's (0, 0), increasing; one for water that is everywhere the
     # same.
-    distance: Values
-    speed: Values  # (m, n) m/s
+    distance: Floats
+    speed: Floats  # (m, n) m/s
     heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
 
     @property
@@ -52,7 +52,7 @@ class SoundSpeedField:
             wavelength=wavelength,
         )
 
-    def speed_at(self, x: ArrayLike, y: ArrayLike, depth: ArrayLike) -> Values:
+    def speed_at(self, x: ArrayLike, y: ArrayLike, depth: ArrayLike) -> Floats:
         """Speed of sound at places of the scene, in m/s."""
         cos, sin = self.axis
         along, below = np.broadcast_arrays(np.asarray(x) * cos + np.asarray(y) * sin, np.asarray(depth))
@@ -72,7 +72,7 @@ class SoundSpeedField:
         return np.asarray(corner + down * np.where(upper, downwards, downwards - 1.0))
 
 
-def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
+def _within(places: Floats, wanted: Floats) -> tuple[Integers, Floats]:
     """Find the interval that holds each value and the fraction of it below the value, 0 or 1 outside all intervals."""
     piece = np.clip(np.searchsorted(places, wanted, side="right") - 1, 0, places.size - 2)
     return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)

@@ -1,17 +1,13 @@
 """``insonify compare``: two records side by side, recorded or simulated."""
 
-from __future__ import annotations
-
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from insonify.arrays import Dataset
 from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
 from insonify.io.records import RECORDS, read_record
 from insonify.progress import report_waiting
 from insonify.scene import load_scene
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def register(subparsers: Any) -> None:
@@ -44,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
     say(str(path))
 
 
-def _record(name: str, frequency: float | None) -> xr.Dataset:
+def _record(name: str, frequency: float | None) -> Dataset:
     """Read a record, of one frequency where it can hold several, or simulate a scene."""
     if is_record(name):
         return read_record(name, frequency if "frequency" in RECORDS.selects(name) else None)

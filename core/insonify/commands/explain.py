@@ -6,16 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import (
-    SIDES,
-    add_method,
-    add_scene,
-    chosen_model,
-    chosen_scene,
-    find_pixel,
-    level_line,
-    say,
-)
+from insonify.commands import options
 from insonify.progress import report_waiting
 
 if TYPE_CHECKING:
@@ -32,10 +23,10 @@ def register(subparsers: Any) -> None:
         "it, the sources of its echo and what hides the bed there. Example: insonify explain default --ping 230 "
         "--range 25",
     )
-    add_scene(parser)
-    add_method(parser)
+    options.add_scene(parser)
+    options.add_method(parser)
     parser.add_argument("--ping", type=int, required=True, metavar="N", help="number of the ping, from 0")
-    parser.add_argument("--side", choices=SIDES, default="port", help="default: %(default)s")
+    parser.add_argument("--side", choices=options.SIDES, default="port", help="default: %(default)s")
     parser.add_argument("--range", type=float, required=True, metavar="M", help="slant range of the pixel, m")
     parser.set_defaults(run=run)
 
@@ -46,25 +37,25 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.explanation.pixel import explain_pixel
     from insonify.simulation import prepare
 
-    scene = chosen_scene(arguments)
-    pixel = find_pixel(scene, arguments.ping, arguments.side, arguments.range)
+    scene = options.chosen_scene(arguments)
+    pixel = options.find_pixel(scene, arguments.ping, arguments.side, arguments.range)
     how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
     with report_waiting():
-        simulation = prepare(scene, **how, forced=chosen_model(arguments))
+        simulation = prepare(scene, **how, forced=options.chosen_model(arguments))
     for line in _table(explain_pixel(simulation, *pixel)):
-        say(line)
+        options.say(line)
 
 
 def _table(explained: PixelExplanation) -> list[str]:
     """Lines that print an explanation."""
-    side = SIDES[explained.side]
+    side = options.SIDES[explained.side]
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
-    lines += [level_line(term.name, term.decibels, term.detail) for term in explained.terms]
-    lines.append(level_line("pixel", explained.level))
+    lines += [options.level_line(term.name, term.decibels, term.detail) for term in explained.terms]
+    lines.append(options.level_line("pixel", explained.level))
     for each in explained.contributions[:MOST]:
         lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
     for hidden in explained.obstructions[:MOST]:
         lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
     if explained.obstructions and math.isfinite(explained.unhidden):
-        lines.append(level_line("with nothing hidden", explained.unhidden))
+        lines.append(options.level_line("with nothing hidden", explained.unhidden))
     return [*lines, *explained.approximations]

@@ -37,5 +37,5 @@ def run(arguments: argparse.Namespace) -> None:
             progress.advance(1)
 
         outcomes = write_report(path, CASES, done=advance)
-    held = sum(outcome.is_held and outcome.is_shown for outcome in outcomes)
+    held = sum(outcome.holds for outcome in outcomes)
     say(f"{path}: {held} of {len(outcomes)} cases hold")

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Singles
 from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.scene.edit import read_setting
@@ -87,7 +87,7 @@ def _fits(value: Any, usual: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def side_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
+def side_factors(look: DisplayOptions, bins: int) -> Singles | None:
     """Factors on the amplitudes of both sides, (2, bins), port first; None where neither side is changed."""
     if not any((*look.side_gains, *look.side_slopes)):
         return None

@@ -4,8 +4,8 @@ import hashlib
 from importlib.metadata import version
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Singles
 from insonify.display.normalisation import LevelBed
 from insonify.display.picture import compile_picture
 from insonify.files import resources
@@ -26,7 +26,7 @@ def digest_of(scene: Scene) -> str:
     return hashlib.sha256(f"{FORMAT} {version('insonify')}\n{scene_to_toml(scene)}".encode()).hexdigest()
 
 
-def read_example(scene: Scene) -> NDArray[np.float32] | None:
+def read_example(scene: Scene) -> Singles | None:
     """Read the record of a scene from the package: amplitudes relative to a level bed, (pings, 2, bins).
 
     None unless it was made of this very scene by this version. ``docs/make/example.py`` writes the file.

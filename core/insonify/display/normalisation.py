@@ -10,10 +10,10 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.array_cache import keep_arrays
+from insonify.arrays import Floats, Integers, Reals, Singles
 from insonify.kernels.display.rows import ROWS_A_THREAD, relate_amplitudes
 from insonify.parallel import in_parallel
 from insonify.tow.poses import interpolate_bed_beneath
@@ -36,26 +36,26 @@ class LevelBed:
         self._simulation = simulation
         self._kept = keep_arrays(self._curve)
 
-    def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    def curves(self, pings: Integers) -> Floats:
         """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin."""
         curves, which = self._curves_of(pings)
         return curves[which][:, None]
 
-    def normalise(self, intensity: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def normalise(self, intensity: Singles, pings: Integers) -> Singles:
         """Compute amplitudes relative to the level beds of pings."""
         return self._relate(np.array(intensity, dtype=np.float32, order="C"), pings)
 
-    def amplitudes(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def amplitudes(self, pings: Integers) -> Singles:
         """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities."""
         return self._relate(np.ascontiguousarray(self._simulation.intensity(pings)), pings)
 
-    def _relate(self, record: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+    def _relate(self, record: Singles, pings: Integers) -> Singles:
         """Turn intensities into amplitudes in place."""
         curves, which = self._curves_of(pings)
         _relate(record, curves, np.repeat(which, record.shape[1]))
         return record
 
-    def _curves_of(self, pings: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    def _curves_of(self, pings: Integers) -> tuple[Floats, Integers]:
         """Curves, (curves, bins), and which of them each ping has."""
         simulation = self._simulation
         beneath = interpolate_bed_beneath(simulation.scene, simulation.ground, pings)
@@ -69,12 +69,12 @@ class LevelBed:
     def _step(self) -> float:
         return self._simulation.arrays.bin_length / 8.0
 
-    def _curve(self, eighths: int) -> NDArray[np.float64]:
+    def _curve(self, eighths: int) -> Floats:
         echo = extend_to_water_column(flat_bed_curve(self._simulation.arrays, eighths * self._step))
         return self._simulation.reception.expected(echo)
 
 
-def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+def extend_to_water_column(curve: Floats) -> Floats:
     """Extend the first return of a curve over the bins before it, in which objects above the bed may echo."""
     # The first bin of the bed is partly filled, so the larger of the first two values is used.
     positive = np.flatnonzero(curve > 0.0)
@@ -86,9 +86,7 @@ def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
     return filled
 
 
-def estimate_median_curve(
-    intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
-) -> NDArray[np.float64]:
+def estimate_median_curve(intensity: Singles, altitude: Floats, bin_length: float) -> Floats:
     """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised."""
     # It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
     # angle as the altitude changes.
@@ -111,7 +109,7 @@ def estimate_median_curve(
     return (smooth * sine**2)[:, None, :]
 
 
-def _middles(echoes: NDArray[np.floating]) -> NDArray[np.float64]:
+def _middles(echoes: Reals) -> Floats:
     """Median of the positive echoes in each bin, (echoes, bins), 0 where there are none."""
     positive = echoes > 0.0
     number, ordered = positive.sum(axis=0), np.sort(np.where(positive, echoes, np.inf), axis=0)
@@ -119,7 +117,7 @@ def _middles(echoes: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.where(number > 0, 0.5 * (lower + upper), 0.0)
 
 
-def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
+def normalise(intensity: Singles, curve: Floats) -> Singles:
     """Compute amplitudes relative to a curve."""
     curves = np.asarray(curve, dtype=np.float64)
     which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
@@ -129,7 +127,7 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     return amplitude
 
 
-def _relate(intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]) -> None:
+def _relate(intensity: Singles, curves: Floats, which: Integers) -> None:
     """Turn intensities into amplitudes relative to curves, (curves, bins), one of them for each row of a record."""
     # They are written in place: to touch fresh memory takes longer than the arithmetic.
     record, inverse, rows = intensity.reshape(-1, intensity.shape[-1]), 1.0 / curves, which.ravel()

@@ -1,26 +1,22 @@
 """Page of a record: its picture with scales in metres, ping numbers, a colour bar and a title."""
 
-from __future__ import annotations
-
 import math
 import zlib
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from insonify.arrays import Dataset
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast, map_tones, shown_palette, span_decibels
 from insonify.display.range_axis import NAMES, choose_kind
 from insonify.display.sheet import RecordSheet
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 INK, FAINT, AMBER = "#22262b", "#6b737c", "#e08e1b"  # as of the figures (`display.style`)
 DPI = 100
@@ -209,7 +205,7 @@ def _tow(scene: Scene) -> str:
     return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
 
 
-def caption_record(record: xr.Dataset, along: float, look: DisplayOptions) -> PageCaption:
+def caption_record(record: Dataset, along: float, look: DisplayOptions) -> PageCaption:
     """Caption of a record read from a file, from its own data."""
     pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
     parts = [f"{bins} bins of {200.0 * float(record['slant_range'][0]):.3g} cm", f"{pings} pings"]

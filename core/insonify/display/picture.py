@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, Levels, find_palettes
 from insonify.display.range_axis import RangeAxis
 from insonify.parallel import in_parallel
@@ -20,7 +21,7 @@ _ENOUGH = 200_000  # amplitudes that suffice for a percentile
 
 
 @cache
-def load_palette(name: str) -> NDArray[np.uint8]:
+def load_palette(name: str) -> Bytes:
     """Read a palette: its file has one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum."""
     palettes = find_palettes()
     if name not in palettes:
@@ -34,13 +35,13 @@ def load_palette(name: str) -> NDArray[np.uint8]:
     return colours
 
 
-def shown_palette(look: DisplayOptions) -> NDArray[np.uint8]:
+def shown_palette(look: DisplayOptions) -> Bytes:
     """Palette of display options, (256, 3), reversed if `reverse` is set."""
     colours = load_palette(look.palette)
     return colours[::-1] if look.reverse else colours
 
 
-def choose_contrast(amplitude: NDArray[np.float32], *, decibels: bool = False) -> Levels:
+def choose_contrast(amplitude: Singles, *, decibels: bool = False) -> Levels:
     """Choose the amplitudes that become the darkest and the brightest colour."""
     # Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays
     # in the middle of the palette and distinct from a shadow, one strong target does not darken the rest, and a
@@ -63,9 +64,7 @@ def span_decibels(levels: Levels) -> Levels:
     return (max(20.0 * math.log10(low), top - DYNAMIC) if low > 0.0 else top - DYNAMIC), top
 
 
-def map_tones(
-    amplitude: NDArray[np.float32], levels: Levels, gain: float = 0.0, *, decibels: bool = False
-) -> NDArray[np.uint8]:
+def map_tones(amplitude: Singles, levels: Levels, gain: float = 0.0, *, decibels: bool = False) -> Bytes:
     """Turn amplitudes into entries of a palette."""
     low, high = levels
     amplified = np.nan_to_num(amplitude) * np.float32(10.0 ** (gain / 20.0))
@@ -76,11 +75,7 @@ def map_tones(
     return np.rint(255.0 * scaled).astype(np.uint8)
 
 
-def mirror_channels(
-    sides: NDArray[np.float32],
-    edges: NDArray[np.float64],
-    side: str = "both",
-) -> NDArray[np.float32]:
+def mirror_channels(sides: Singles, edges: Floats, side: str = "both") -> Singles:
     """Lay out the channels with port to the left of nadir and the newest ping on top."""
     newest_first = slice(None, None, -1)
     port, starboard = (average_columns(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
@@ -89,12 +84,12 @@ def mirror_channels(
     return port if side == "port" else starboard
 
 
-def compute_column_edges(altitude: NDArray[np.float64], axis: RangeAxis, columns: int) -> NDArray[np.float64]:
+def compute_column_edges(altitude: Floats, axis: RangeAxis, columns: int) -> Floats:
     """Compute the edges of equally wide columns as positions in the bins of one side."""
     return place_columns(np.linspace(0.0, axis.reach, columns + 1), altitude, axis)
 
 
-def place_columns(distance: NDArray[np.float64], altitude: NDArray[np.float64], axis: RangeAxis) -> NDArray[np.float64]:
+def place_columns(distance: Floats, altitude: Floats, axis: RangeAxis) -> Floats:
     """Positions of distances in the bins of one side, (pings, distances); one row where all pings have the same."""
     if axis.shows_water:
         same = np.round(axis.bins_at(distance, np.zeros(1)), 9)  # so that edges of columns meet edges of bins
@@ -103,12 +98,8 @@ def place_columns(distance: NDArray[np.float64], altitude: NDArray[np.float64], 
 
 
 def average_columns(
-    rows: NDArray[np.float32],
-    edges: NDArray[np.float64],
-    *,
-    picked: NDArray[np.int64] | None = None,
-    bins: range | None = None,
-) -> NDArray[np.float32]:
+    rows: Singles, edges: Floats, *, picked: Integers | None = None, bins: range | None = None
+) -> Singles:
     """Average rows between successive edges, with parts of bins weighted by their width.
 
     Columns wider than a bin average it, so that no narrow echo is lost; columns narrower than a bin repeat it.
@@ -133,7 +124,7 @@ def average_columns(
     return out
 
 
-def colour_rows(values: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
+def colour_rows(values: Singles, low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Colour values by a table with entries beyond the upper end."""
     if not values.size:
         return np.empty(values.shape, np.uint32)
@@ -156,9 +147,7 @@ def compile_picture() -> None:
     colour_rows(columns, 0.0, 1.0, np.zeros(256, dtype=np.uint32))
 
 
-def colour_amplitudes(
-    amplitude: NDArray[np.float32], look: DisplayOptions | None = None, levels: Levels | None = None
-) -> NDArray[np.uint8]:
+def colour_amplitudes(amplitude: Singles, look: DisplayOptions | None = None, levels: Levels | None = None) -> Bytes:
     """Colour amplitudes."""
     look = look or DisplayOptions()
     ends = choose_contrast(amplitude) if levels is None else levels

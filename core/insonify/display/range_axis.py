@@ -4,9 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Values = NDArray[np.float64]
+from insonify.arrays import Floats
+
 SLANT, BED, GROUND = "slant", "bed", "ground"  # kinds of distance
 NAMES = {SLANT: "slant range", BED: "slant range behind the first echo", GROUND: "ground range"}
 
@@ -26,7 +26,7 @@ class RangeAxis(NamedTuple):
         """Whether the water column is part of the picture."""
         return self.kind == SLANT
 
-    def bins_at(self, distance: Values, altitude: Values) -> Values:
+    def bins_at(self, distance: Floats, altitude: Floats) -> Floats:
         """Position in bins, from 0 at the sonar to ``bins``, of distances under a sonar at altitudes."""
         # An altitude below 0, as in damaged recordings, gives no bin before the first.
         if self.kind == GROUND:
@@ -35,7 +35,7 @@ class RangeAxis(NamedTuple):
             slant = distance + (altitude if self.kind == BED else 0.0)
         return np.asarray(np.clip(slant / self.bin_length, 0.0, self.bins))
 
-    def distance_of(self, position: Values, altitude: Values) -> Values:
+    def distance_of(self, position: Floats, altitude: Floats) -> Floats:
         """Distance of a position in bins; NaN in the water column where the picture leaves it out."""
         slant = np.asarray(position) * self.bin_length
         if self.kind == SLANT:

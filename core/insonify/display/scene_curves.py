@@ -4,11 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import vertical_energy
 from insonify.acoustics.bed_materials import describe_limits, misfit
 from insonify.acoustics.water import speed_at_sonar
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.seabed.materials import Material
 from insonify.scene.seabed.materials.sediments import LEAST_GRAZING, STEEPEST, scattering_strength
@@ -31,17 +31,17 @@ class Curve(NamedTuple):
 
     title: str  # quantity of the curve, and its main figure
     note: str
-    x: NDArray[np.float64]  # (n,)
-    y: NDArray[np.float64]
+    x: Floats  # (n,)
+    y: Floats
     x_unit: str  # the second is "dB" for levels, empty for amplitudes
     y_unit: str
-    beside: NDArray[np.float64] | None = None  # (n,) another curve to compare with
+    beside: Floats | None = None  # (n,) another curve to compare with
 
 
 class ReliefSpectrum(NamedTuple):
     """Spectrum of a fractal bed over the plane of wave numbers."""
 
-    decibels: NDArray[np.float64]  # (n, n) power below the greatest; rows run with fy, columns with fx
+    decibels: Floats  # (n, n) power below the greatest; rows run with fy, columns with fx
     reach: float  # both wave numbers run from −reach to reach, in cycles per period
     peaks: tuple[tuple[float, float], ...]  # the declared peaks (fx, fy), in cycles per period
 
@@ -141,7 +141,7 @@ def relief_spectrum(scene: Scene, reach: float | None = None) -> ReliefSpectrum 
     return ReliefSpectrum(_decibels(power / power.max()), reach, relief.peaks)
 
 
-def _times(pulse: PulseKind) -> NDArray[np.float64]:
+def _times(pulse: PulseKind) -> Floats:
     """Return times about the echo of a point that show all of it, or its first sidelobes."""
     if pulse.two_sided:
         reach = min(SIDELOBES * pulse.resolution, pulse.length)
@@ -153,19 +153,19 @@ def _ways(title: str, passes: int) -> str:
     return f"{title}, {'two' if passes == 2 else 'one'} way"
 
 
-def _decibels(energy: NDArray[np.float64]) -> NDArray[np.float64]:
+def _decibels(energy: Floats) -> Floats:
     """Levels in dB, at least `FLOOR`."""
     return 10.0 * np.log10(np.maximum(energy, 10.0 ** (0.1 * FLOOR)))
 
 
-def _width_at(x: NDArray[np.float64], level: NDArray[np.float64]) -> float:
+def _width_at(x: Floats, level: Floats) -> float:
     """Width of a peak 3 dB below its top, with straight lines between points."""
     peak = int(np.argmax(level))
     below = level - level[peak] + 3.0
     return abs(_crossing(x[peak:], below[peak:]) - _crossing(x[peak::-1], below[peak::-1]))
 
 
-def _crossing(x: NDArray[np.float64], height: NDArray[np.float64]) -> float:
+def _crossing(x: Floats, height: Floats) -> float:
     """Place where a height that begins above zero first falls below it; the last place if it never does."""
     below = np.flatnonzero(height < 0.0)
     if below.size == 0:

@@ -1,14 +1,12 @@
 """Sheet of a record: amplitudes in display columns, collected block by block in the memory of one sheet."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, side_factors
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
@@ -18,11 +16,7 @@ from insonify.scene import SceneError
 from insonify.simulation import Simulation
 from insonify.tow.poses import platform_columns
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-Record = NDArray[np.float32]
-Relative = Callable[[Record, NDArray[np.int64]], Record]
+Relative = Callable[[Singles, Integers], Singles]
 MOST_ROWS = 4096
 WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of a sheet
 HEIGHTS = (420, 1800)  # least and greatest number of rows of a sheet
@@ -32,24 +26,24 @@ class RecordSheet(NamedTuple):
     """Amplitudes of a record in rows and columns of display."""
 
     # (rows, columns) amplitudes relative to a curve; newest ping on top, port mirrored about nadir.
-    amplitude: NDArray[np.float32]
+    amplitude: Singles
     reach: float  # range of the outer edge of a side, in metres
     along: float  # along-track length, in metres
     pings: int  # number of pings
-    altitude: NDArray[np.float64]  # (pings,) above the bed, in metres
+    altitude: Floats  # (pings,) above the bed, in metres
 
 
 class SheetPings(NamedTuple):
     """Data of successive pings that a picture shows."""
 
-    intensity: Record  # (n, 2, bins) linear, port first
-    x: NDArray[np.float64]  # (n,) position of the sonar, in metres
-    y: NDArray[np.float64]
-    altitude: NDArray[np.float64]  # (n,) above the bed beneath, in metres, as `find_altitude` completes it
+    intensity: Singles  # (n, 2, bins) linear, port first
+    x: Floats  # (n,) position of the sonar, in metres
+    y: Floats
+    altitude: Floats  # (n,) above the bed beneath, in metres, as `find_altitude` completes it
     bin_length: float  # slant range of a bin, in metres
 
 
-def take_sheet_pings(record: xr.Dataset) -> SheetPings:
+def take_sheet_pings(record: Dataset) -> SheetPings:
     """Take the data of a record that a picture shows."""
     return SheetPings(
         record["intensity"].transpose("ping_time", "channel", "range_sample").values,
@@ -103,7 +97,7 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     return RecordSheet(sheet if look.newest_on_top else sheet[::-1], reach, along, done, altitude)
 
 
-def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
+def gather_record_sheet(record: Dataset, look: DisplayOptions) -> RecordSheet:
     """Make a sheet of a whole record relative to its own median at every range."""
     own = compute_median_curve(record)
     return gather_sheet(
@@ -114,12 +108,12 @@ def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet
     )
 
 
-def compute_median_curve(record: xr.Dataset) -> NDArray[np.float64]:
+def compute_median_curve(record: Dataset) -> Floats:
     """Compute the median curve of a record, (pings, 1, bins) float64, see `estimate_median_curve`."""
     return estimate_median_curve(record["intensity"].values, fill_altitude(record), _bin_length(record))
 
 
-def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
+def resample_rows(rows: Singles, height: int) -> Singles:
     """Resample rows to a number of rows, by their mean where there are more."""
     edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
     return average_columns(np.ascontiguousarray(rows.T), edges).T
@@ -140,11 +134,11 @@ def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
     )
 
 
-def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
+def fill_altitude(block: Dataset) -> Floats:
     """Altitudes of pings by `find_altitude`, in metres; 0 where the record shows no bed."""
     return np.nan_to_num(find_altitude(block))
 
 
-def _bin_length(block: xr.Dataset) -> float:
+def _bin_length(block: Dataset) -> float:
     """Return the recorded slant range of a bin; its first centre lies at half of it."""
     return 2.0 * float(block["slant_range"].values[0])

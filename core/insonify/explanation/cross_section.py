@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
 from insonify.explanation.words import name_part
@@ -14,7 +14,6 @@ from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
 
-Points = NDArray[np.float64]
 SAMPLES = 1024  # of the bed's profile
 
 
@@ -27,11 +26,11 @@ class CrossSection:
     azimuth: float  # of the plane, from athwart towards the bow, rad
     sonar: SonarPose
     reach: float  # ground range to which the section is drawn, m
-    bed: Points  # (n, 2) profile of the bed, NaN where there is none
-    visible: Points  # (m, 2, 2) stretches of the bed that are visible from the sonar, and stretches that are hidden
-    hidden: Points
-    targets: tuple[tuple[str, Points], ...]  # names of the targets, and the visible part of each
-    horizon: Points  # (k, 2, 2) lines from each crest that hides bed to the end of its shadow
+    bed: Floats  # (n, 2) profile of the bed, NaN where there is none
+    visible: Floats  # (m, 2, 2) stretches of the bed that are visible from the sonar, and stretches that are hidden
+    hidden: Floats
+    targets: tuple[tuple[str, Floats], ...]  # names of the targets, and the visible part of each
+    horizon: Floats  # (k, 2, 2) lines from each crest that hides bed to the end of its shadow
 
 
 def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSection:
@@ -55,7 +54,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
 
 def _stretches(
     simulation: Simulation, parts: EchoParts
-) -> tuple[Points, Points, tuple[tuple[str, Points], ...], Points]:
+) -> tuple[Floats, Floats, tuple[tuple[str, Floats], ...], Floats]:
     """Visible and hidden stretches, targets, and horizons behind crests."""
     ends = np.stack([parts.begin, parts.end], axis=1)
     of_bed = parts.target < 0

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -23,8 +23,6 @@ BESIDE = 0.3  # m, greatest distance of a place from the surface that echoes
 WIDE = 0.03  # share of its ground range by which an echo by way of the sea surface may lie beside a place
 SURFACE_BOTTOM = PATHS.index("surface_bottom")
 
-Points = NDArray[np.float64]
-
 
 @dataclass(frozen=True, order=True)
 class Listener:
@@ -36,7 +34,7 @@ class Listener:
     path: str  # of `insonify.tracers.labels.PATHS`
 
 
-def find_listeners(simulation: Simulation, place: Points, pings: NDArray[np.int64]) -> tuple[Listener, ...]:
+def find_listeners(simulation: Simulation, place: Floats, pings: Integers) -> tuple[Listener, ...]:
     """Find the pixels in which a place of the bed or of a target echoes."""
     found: list[Listener] = []
     for ping, side, azimuth, level in _within_beam(simulation, place, pings):
@@ -44,9 +42,7 @@ def find_listeners(simulation: Simulation, place: Points, pings: NDArray[np.int6
     return tuple(sorted(found))
 
 
-def _within_beam(
-    simulation: Simulation, place: Points, pings: NDArray[np.int64]
-) -> list[tuple[int, int, float, float]]:
+def _within_beam(simulation: Simulation, place: Floats, pings: Integers) -> list[tuple[int, int, float, float]]:
     """Pings with a place in their beam: ping, side, azimuth of its plane (rad), ground range (m)."""
     arrays, poses = simulation.reduced, simulation.poses(pings)
     dx, dy, dz = place[0] - poses.x, place[1] - poses.y, place[2] - poses.z
@@ -64,7 +60,7 @@ def _within_beam(
     return [(pings[k], side[k], azimuth[k], level[k]) for k in np.flatnonzero(within)]
 
 
-def _response(arrays: SceneArrays, along: Points, r: Points) -> Points:
+def _response(arrays: SceneArrays, along: Floats, r: Floats) -> Floats:
     """Two-way response of the beam along the track, by the part of the direction along the fish's axis."""
     pattern = arrays.pattern
     if not pattern.tabulated:
@@ -77,7 +73,7 @@ def _response(arrays: SceneArrays, along: Points, r: Points) -> Points:
 
 
 def _listen(
-    simulation: Simulation, place: Points, ping: int, side: int, azimuth: float, level: float
+    simulation: Simulation, place: Floats, ping: int, side: int, azimuth: float, level: float
 ) -> list[Listener]:
     """Bins of one side of one ping in which a place in the plane of an azimuth echoes."""
     arrays, pose = arrays_at(simulation, ping)
@@ -105,7 +101,7 @@ def _listen(
 
 
 def _listen_by_surface(
-    simulation: Simulation, arrays: SceneArrays, pose: Poses, where: tuple[int, int, float, float], place: Points
+    simulation: Simulation, arrays: SceneArrays, pose: Poses, where: tuple[int, int, float, float], place: Floats
 ) -> list[Listener]:
     """Bins of one side of one ping in which a place echoes by way of the sea surface."""
     ping, side, azimuth, level = where

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.bed_materials import find_material, misfit
+from insonify.arrays import Floats, Singles
 from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts, whole_window
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
@@ -33,12 +33,9 @@ from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
 from insonify.tracers.labels import PATHS
 
-Points = NDArray[np.float64]
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
 SPREAD = 0.95  # share of the first source below which the second is named too
 NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
-Record = NDArray[np.float32]
-Column = NDArray[np.float64]
 SILENCE = -math.inf
 
 
@@ -55,8 +52,8 @@ class Contribution:
     ground_range: float  # means weighted by the echo, m and degrees
     incidence: float
     parts: EchoParts  # of which it is made
-    places: Points  # (n, 2, 3) beginnings and ends of the parts, in local coordinates, m
-    rays: tuple[Points, ...]  # path of the sound to the loudest parts, and the way back where it differs
+    places: Floats  # (n, 2, 3) beginnings and ends of the parts, in local coordinates, m
+    rays: tuple[Floats, ...]  # path of the sound to the loudest parts, and the way back where it differs
 
     @property
     def words(self) -> str:
@@ -103,12 +100,12 @@ class Obstruction:
 
     hider: str  # ``pipe 1``, or ``crest of the bed``
     target: int  # index of the declared target, -1 for the bed
-    place: Points  # (3,) crest of the bed, or middle of the bed that a target hides, in local coordinates, m
+    place: Floats  # (3,) crest of the bed, or middle of the bed that a target hides, in local coordinates, m
     ground_range: float  # of that place, m
     share: float  # of the echo that the pixel would have without obstructions
     echo: float  # mean echo that the hidden bed would add, in the units of the parts
-    places: Points  # (n, 2, 3) the hidden bed
-    rays: tuple[Points, ...]  # from the sonar to the hidden bed, through the obstruction
+    places: Floats  # (n, 2, 3) the hidden bed
+    rays: tuple[Floats, ...]  # from the sonar to the hidden bed, through the obstruction
 
     @property
     def faces_away(self) -> bool:
@@ -383,7 +380,7 @@ class ReceiverStage(NamedTuple):
 
     name: str  # empty for the echo of the pulse alone
     detail: str
-    record: Record  # (2, bins) linear intensity
+    record: Singles  # (2, bins) linear intensity
 
 
 def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:

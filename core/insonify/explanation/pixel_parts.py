@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import Taps
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats
 from insonify.explanation.sound_paths import DIRECT, SURFACE, SonarPose, height_by_range, locate_sonar, trace_path
 from insonify.explanation.words import name_materials, name_part
 from insonify.kernels.common.types import SONAR, Poses, SceneArrays
@@ -17,7 +17,6 @@ from insonify.simulation import Simulation
 from insonify.tow.poses import take_poses
 from insonify.tracers.echo_parts import EchoParts, find_echo_parts
 
-Points = NDArray[np.float64]
 LOUD = 0.02  # share of a contributor's echo from which a ray is drawn to a part of it
 MOST_RAYS = 12  # to the parts of one contributor
 
@@ -49,7 +48,7 @@ def whole_window(arrays: SceneArrays) -> Window:
     return _weigh(arrays, 0, np.ones(arrays.bins)).window
 
 
-def _weigh(arrays: SceneArrays, first: int, share: NDArray[np.float64]) -> PixelWindow:
+def _weigh(arrays: SceneArrays, first: int, share: Floats) -> PixelWindow:
     bins = slice(first, first + share.size)
     r = bin_centres(arrays)[bins]
     spreading = r**-4.0 if arrays.law == SONAR else np.ones(r.size)
@@ -81,14 +80,14 @@ class PixelParts:
         """Name of a material by its row; empty where there is none."""
         return name_materials(self.simulation.scene, self.simulation.ground)[row] if row >= 0 else ""
 
-    def segments(self, some: EchoParts) -> Points:
+    def segments(self, some: EchoParts) -> Floats:
         """Beginnings and ends of parts in local coordinates, (n, 2, 3) in metres."""
         ends = [
             [self.sonar.to_world(azimuth, np.stack(pair)) for azimuth, *pair in zip(some.azimuth, some.begin, some.end)]
         ]
         return np.array(ends).reshape(-1, 2, 3)
 
-    def rays(self, some: EchoParts) -> tuple[Points, ...]:
+    def rays(self, some: EchoParts) -> tuple[Floats, ...]:
         """Paths of the sound to the loudest of some parts, in local coordinates."""
         loudest = np.argsort(some.value)[::-1][:MOST_RAYS]
         chosen = loudest[some.value[loudest] >= LOUD * some.value.sum()]

@@ -13,11 +13,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import spread_curve
 from insonify.acoustics.resolution_cell import axial_response, bin_centres, vertical_at
 from insonify.acoustics.water import absorption_coefficient
+from insonify.arrays import Floats
 from insonify.explanation.pixel import Term
 from insonify.io.atomic import replacing
 from insonify.kernels.common.range_bins import mean_over_centre
@@ -31,7 +31,6 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.seabed.materials.sediments import scattering_strength
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
-Curve = NDArray[np.float64]
 FARTHER = 16  # ranges of the record up to which the end of detection is sought
 MOST_BINS = 400_000  # in which it is sought
 SILENCE = -math.inf
@@ -42,10 +41,10 @@ class Level:
     """A level over slant range as the sum of its terms."""
 
     name: str
-    terms: dict[str, Curve]  # (n,) each, dB
+    terms: dict[str, Floats]  # (n,) each, dB
 
     @cached_property
-    def decibels(self) -> Curve:
+    def decibels(self) -> Floats:
         """The sum, (n,)."""
         return np.asarray(sum(self.terms.values()))
 
@@ -55,22 +54,22 @@ class SonarEquation:
     """Levels of a scene's echoes and noise in its record before the time-varied gain."""
 
     scene: Scene
-    slant_range: Curve  # (n,) of the bins' centres, m
-    grazing: Curve  # (n,) at the bed, rad
+    slant_range: Floats  # (n,) of the bins' centres, m
+    grazing: Floats  # (n,) at the bed, rad
     energy: float  # of the pulse at 1 m, dB re 1 µPa² s or relative
     bed: Level
     target: Level  # on the axis of the beam, where the bed is
     disturbances: tuple[Level, ...]  # noise and reverberation, those that are declared
-    gain: Curve  # (n,) time-varied gain, dB
+    gain: Floats  # (n,) time-varied gain, dB
 
     @cached_property
-    def disturbance(self) -> Curve:
+    def disturbance(self) -> Floats:
         """Level of noise and reverberation together, (n,); minus infinity without either."""
         silence = np.full(self.slant_range.size, SILENCE)
         return add_levels(silence, *(each.decibels for each in self.disturbances))
 
     @cached_property
-    def record(self) -> Curve:
+    def record(self) -> Floats:
         """Mean level of the record of a level bed, (n,)."""
         return add_levels(self.bed.decibels, self.disturbance) + self.gain
 
@@ -118,7 +117,7 @@ def solve_sonar_equation(scene: Scene, target_strength: float = -20.0) -> tuple[
     )
 
 
-def _solve(setup: ReceiverSetup, noise: float, target_strength: float, gain: Curve) -> SonarEquation:
+def _solve(setup: ReceiverSetup, noise: float, target_strength: float, gain: Floats) -> SonarEquation:
     """Levels in the bins of a receiver."""
     scene, arrays, r = setup.scene, setup.arrays, bin_centres(setup.arrays)
     source = scene.receiver.source_level
@@ -181,12 +180,12 @@ def _rows(level: Level, k: int) -> Iterator[tuple[Term, bool]]:
     yield Term(level.name, float(level.decibels[k])), True
 
 
-def add_levels(*levels: Curve) -> Curve:
+def add_levels(*levels: Floats) -> Floats:
     """Level of the sum of intensities."""
     return _decibels(np.asarray(sum(10.0 ** (level / 10.0) for level in levels)))
 
 
-def _decibels(ratio: Curve) -> Curve:
+def _decibels(ratio: Floats) -> Floats:
     with np.errstate(divide="ignore"):
         return np.asarray(10.0 * np.log10(ratio))
 

@@ -4,16 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.rays import follow_paths
+from insonify.arrays import Floats
 from insonify.kernels.common.types import PORT, Poses, SceneArrays
 from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.kernels.refraction.section_arcs import SectionPlane
 from insonify.simulation import Simulation
 from insonify.tracers.labels import PATHS
 
-Points = NDArray[np.float64]
 POINTS = 48  # along a bent ray
 HALVINGS = 40  # that find the height of a place from its slant range
 DIRECT = PATHS.index("direct")
@@ -25,17 +24,17 @@ SECOND_BOTTOM, SURFACE = PATHS.index("second_bottom"), PATHS.index("surface")
 class SonarPose:
     """The sonar at one ping, and one of its sides."""
 
-    place: Points  # (3,) local coordinates, height above the datum, m
-    ahead: Points  # (2,) level unit vector of the heading
-    abeam: Points  # (2,) level unit vector to the side
+    place: Floats  # (3,) local coordinates, height above the datum, m
+    ahead: Floats  # (2,) level unit vector of the heading
+    abeam: Floats  # (2,) level unit vector to the side
     surface: float  # heights of the sea surface and of the bed beneath the sonar, m
     below: float
 
-    def direction(self, azimuth: float) -> Points:
+    def direction(self, azimuth: float) -> Floats:
         """Level unit vector of an azimuth from athwart towards the bow, rad."""
         return np.asarray(math.sin(azimuth) * self.ahead + math.cos(azimuth) * self.abeam)
 
-    def to_world(self, azimuth: float, flat: Points) -> Points:
+    def to_world(self, azimuth: float, flat: Floats) -> Floats:
         """Local coordinates of places in the plane of an azimuth: (n, 2) ground range and height to (n, 3)."""
         level = self.place[:2] + np.multiply.outer(flat[:, 0], self.direction(azimuth))
         return np.column_stack([level, flat[:, 1]])
@@ -56,8 +55,8 @@ def locate_sonar(simulation: Simulation, pose: Poses, side: int) -> SonarPose:
 
 
 def trace_path(
-    arrays: SceneArrays, sonar: SonarPose, path: int, azimuth: float, launch: float, place: Points
-) -> Points:
+    arrays: SceneArrays, sonar: SonarPose, path: int, azimuth: float, launch: float, place: Floats
+) -> Floats:
     """Path of the sound out and back in the plane of an azimuth."""
     start = np.array([0.0, sonar.place[2]])
     if path == SURFACE:
@@ -71,7 +70,7 @@ def trace_path(
     return np.concatenate([out, place[None], back])
 
 
-def _by_images(sonar: SonarPose, path: int, place: Points) -> Points:
+def _by_images(sonar: SonarPose, path: int, place: Floats) -> Floats:
     """Points between a place and the sonar by way of the sea surface, and of the bed beneath the sonar."""
     start, up = np.array([0.0, sonar.place[2]]), sonar.surface - sonar.place[2]
     if path != SECOND_BOTTOM:
@@ -84,13 +83,13 @@ def _by_images(sonar: SonarPose, path: int, place: Points) -> Points:
     return np.array([_crossing(place, image, sonar.surface), [at_bed[0], sonar.below], start])
 
 
-def _crossing(place: Points, image: Points, height: float) -> Points:
+def _crossing(place: Floats, image: Floats, height: float) -> Floats:
     """Point at a height of the straight line from a place to an image of the sonar."""
     share = (height - place[1]) / (image[1] - place[1])
     return np.asarray(place + share * (image - place))
 
 
-def _bent_ray(arrays: SceneArrays, sonar: SonarPose, azimuth: float, launch: float, place: Points) -> Points:
+def _bent_ray(arrays: SceneArrays, sonar: SonarPose, azimuth: float, launch: float, place: Floats) -> Floats:
     """Ray through the water by its launch angle, out to the ground range of a place."""
     water, ex = arrays.water, sonar.direction(azimuth)
     ranges = np.linspace(0.0, max(float(place[0]), 1e-3), POINTS + 1)[1:]

@@ -3,14 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import coherence, pulse_taps
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.pulses import PulseKind
 
-Field = NDArray[np.float64]
 DIRECTIONS = 64  # of the beam that are summed
 FAINTEST = 0.05  # least spectrum of speckle over its mean, at frequencies that the pulse suppresses
 
@@ -21,8 +20,8 @@ class Footprint(NamedTuple):
     pulse: PulseKind
     sound_speed: float  # m/s
     bin_length: float  # slant range of a bin, in metres
-    directions: Field  # (n,) sines along the track and the two-way response of the beam there; none for a knife
-    sensitivity: Field
+    directions: Floats  # (n,) sines along the track and the two-way response of the beam there; none for a knife
+    sensitivity: Floats
     light: bool  # whether the law of scattering is `light`
 
     @property
@@ -30,7 +29,7 @@ class Footprint(NamedTuple):
         """Length of the resolution cell in slant range, in metres."""
         return max(self.bin_length, self.pulse.cell(self.sound_speed))
 
-    def average_along(self, frequency: Field, slant_range: float) -> Field:
+    def average_along(self, frequency: Floats, slant_range: float) -> Floats:
         """Share of the power of waves along the track (cycles a metre) that remains after averaging over the beam."""
         if self.directions.size == 0:
             return np.ones_like(frequency)
@@ -39,14 +38,14 @@ class Footprint(NamedTuple):
         real, imaginary = (wave(phase) @ self.sensitivity / total for wave in (np.cos, np.sin))
         return np.asarray(real**2 + imaginary**2)
 
-    def average_across(self, frequency: Field) -> Field:
+    def average_across(self, frequency: Floats) -> Floats:
         """Share of the power of waves in slant range (cycles a metre) that remains after averaging over a bin."""
         taps = pulse_taps(self.pulse, self.sound_speed, self.bin_length).weights
         lags = np.arange(taps.size)[:, None] * self.bin_length
         waves = (taps[:, None] * np.exp(-2j * np.pi * lags * frequency)).sum(axis=0) / taps.sum()
         return np.asarray(np.abs(waves) ** 2 * np.sinc(frequency * self.bin_length) ** 2)
 
-    def speckle(self, frequency: Field) -> Field:
+    def speckle(self, frequency: Floats) -> Floats:
         """Spectrum of speckle in slant range over its mean: the transform of |ρ|², ρ being the coherence of bins."""
         lines = coherence(self.pulse, self.sound_speed, self.bin_length)[1:, None] ** 2
         lags = np.arange(1, lines.size + 1)[:, None] * self.bin_length

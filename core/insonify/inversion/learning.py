@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.inversion.bed_parameters import (
     USUAL_SPEED,
     BedParameters,
@@ -61,7 +61,7 @@ DESCRIPTION = (
     "Relief, material and speckle are learned from a record. The landscape is another one of the same statistics, and "
     "targets are left out: place your own. Change the seed for another bed of this kind."
 )
-Navigation = Mapping[str, NDArray[np.float64]]
+Navigation = Mapping[str, Floats]
 
 
 @dataclass(frozen=True)
@@ -208,13 +208,13 @@ def level_difference(recorded: SoundedBed, simulated: SoundedBed) -> float:
     return float(np.median(_ratio(recorded, simulated)[near]))
 
 
-def _added(pairs: Pairs, places: NDArray[np.float64], more: NDArray[np.float64]) -> Pairs:
+def _added(pairs: Pairs, places: Floats, more: Floats) -> Pairs:
     """Piecewise linear table plus values at places."""
     levels = np.clip(more + np.interp(places, *np.array(pairs).T), -MOST_GAIN, MOST_GAIN)
     return tuple((round(float(place), 4), round(float(level), 3)) for place, level in zip(places, levels))
 
 
-def _ratio(recorded: SoundedBed, simulated: SoundedBed) -> NDArray[np.float64]:
+def _ratio(recorded: SoundedBed, simulated: SoundedBed) -> Floats:
     """Return the recorded over the simulated level at every slant range, in dB."""
     return recorded.level.by_range - simulated.level.by_range
 

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude
 from insonify.scene import Scene, scene_from_toml
@@ -28,16 +28,14 @@ LEARNED = (
 )  # fields that may not be set, because they are learned
 CARRIED = ("sonar", "water", "track", "receiver")  # parts of a simulated record's scene that are kept
 
-Column = NDArray[np.float64]
-
 
 class RecordedSonar(NamedTuple):
     """Sonar and track of a record as a scene."""
 
     scene: Scene  # with a level bed of one material and a straight track
-    altitude: Column  # (pings,) height above the bed, in metres
+    altitude: Floats  # (pings,) height above the bed, in metres
     # Time, x, y, altitude and heading of a track that is not straight and level; None otherwise.
-    navigation: Mapping[str, Column] | None
+    navigation: Mapping[str, Floats] | None
     # Whether the record carries the scene that it was simulated from, so that beam, pulse and gains are known.
     simulated: bool
     assumed: tuple[str, ...]  # fields that neither the record nor the caller declares
@@ -60,7 +58,7 @@ def declare_sonar(record: xr.Dataset, changes: Mapping[str, Any]) -> RecordedSon
     return RecordedSonar(scene, altitude, _navigation(record, altitude, scene), False, missing)
 
 
-def _altitude(record: xr.Dataset) -> Column:
+def _altitude(record: xr.Dataset) -> Floats:
     """Altitude by the first echoes of the bed, else as recorded."""
     if BOTTOM_TRACK in record and np.isfinite(record[BOTTOM_TRACK].values).all():
         return np.asarray(median_filter(record[BOTTOM_TRACK].values.astype(np.float64), STEADY, mode="nearest"))
@@ -88,7 +86,7 @@ def _carried_scene(record: xr.Dataset) -> Scene | None:
     return build(kept | {"seabed": {"depth": scene.seabed.depth}})
 
 
-def _declared(record: xr.Dataset, altitude: Column) -> tuple[dict[str, Any], list[str]]:
+def _declared(record: xr.Dataset, altitude: Floats) -> tuple[dict[str, Any], list[str]]:
     """Plain values of a scene from a recording, and the fields that had to be assumed."""
     slant_range, travel_time = record["slant_range"].values, record["travel_time"].values
     speed_of_sound = float(np.clip(2.0 * slant_range[-1] / travel_time[-1], 1400.0, 1600.0))
@@ -130,7 +128,7 @@ def _advance(record: xr.Dataset, fastest: float) -> tuple[float, float, list[str
     return rate, speed, [] if timed else ["sonar.ping_rate"]
 
 
-def _navigation(record: xr.Dataset, altitude: Column, scene: Scene) -> dict[str, Column] | None:
+def _navigation(record: xr.Dataset, altitude: Floats, scene: Scene) -> dict[str, Floats] | None:
     """Columns of a track that is not straight and level."""
     pings = np.arange(altitude.size)
     x, y = (record[f"platform_{axis}"].values.astype(np.float64) for axis in ("x", "y"))

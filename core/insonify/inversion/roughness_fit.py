@@ -6,15 +6,14 @@ Theory: docs/theory/inversion.md.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from insonify.arrays import Floats
 from insonify.inversion.footprint import Footprint, footprint_of
 from insonify.inversion.segment_spectra import EFFICIENCY, SEGMENT, AngleGroup, SegmentSpectra
 from insonify.scene import Scene
 from insonify.scene.edit import edit
 
-Field = NDArray[np.float64]
 FINEST = 8.0  # resolution cells of the shortest wave that is fitted; a bed's own grid shapes shorter ones
 ALIASES = np.arange(-2, 3)  # bands that pings far apart fold into one
 COARSEST = 2  # cycles per segment that a wave needs, along or across; fewer are removed with the mean plane
@@ -47,10 +46,10 @@ class RoughnessFit(NamedTuple):
 class _GroupModel(NamedTuple):
     """Model of the spectrum of one group: Σ over power laws and aliases of A f^−2β times a transfer, plus speckle."""
 
-    power: Field  # (cells,) as measured
-    transfers: tuple[Field, ...]  # (aliases, cells) of each power law
-    log_squared: Field  # (aliases, cells), ln f²
-    speckle: Field  # (cells,) for unit variance of a sample
+    power: Floats  # (cells,) as measured
+    transfers: tuple[Floats, ...]  # (aliases, cells) of each power law
+    log_squared: Floats  # (aliases, cells), ln f²
+    speckle: Floats  # (cells,) for unit variance of a sample
     weight: float
 
 
@@ -101,7 +100,7 @@ def _group_model(group: AngleGroup, spectra: SegmentSpectra, footprint: Footprin
     )
 
 
-def _densities(parameters: Field, level: float, model: _GroupModel) -> tuple[Field, Field]:
+def _densities(parameters: Floats, level: float, model: _GroupModel) -> tuple[Floats, Floats]:
     """Whole density of a group, and its derivatives by the parameters of the power laws and the speckle's level."""
     whole = np.exp(level) * model.speckle
     parts = []
@@ -113,13 +112,13 @@ def _densities(parameters: Field, level: float, model: _GroupModel) -> tuple[Fie
     return whole, np.array([*parts, np.exp(level) * model.speckle])
 
 
-def _places(parameters: Field, models: list[_GroupModel], number: int) -> list[int]:
+def _places(parameters: Floats, models: list[_GroupModel], number: int) -> list[int]:
     """List the indices of a group's parameters: those of all power laws, and its level of speckle."""
     laws = 2 * len(models[0].transfers)
     return [*range(laws), laws + number]
 
 
-def _cost(parameters: Field, models: list[_GroupModel]) -> tuple[float, Field]:
+def _cost(parameters: Floats, models: list[_GroupModel]) -> tuple[float, Floats]:
     """Negative logarithm of Whittle's likelihood, and its gradient."""
     total, gradient = 0.0, np.zeros_like(parameters)
     for number, model in enumerate(models):
@@ -130,7 +129,7 @@ def _cost(parameters: Field, models: list[_GroupModel]) -> tuple[float, Field]:
     return total, gradient
 
 
-def _information(parameters: Field, models: list[_GroupModel]) -> Field:
+def _information(parameters: Floats, models: list[_GroupModel]) -> Floats:
     """Fisher information: Σ over frequencies of ∂ ln S ∂ ln S, times the independent spectra that are averaged."""
     found = np.zeros((parameters.size, parameters.size))
     for number, model in enumerate(models):
@@ -140,7 +139,7 @@ def _information(parameters: Field, models: list[_GroupModel]) -> Field:
     return found
 
 
-def _start(models: list[_GroupModel], noise: Field, exponent: float) -> Field:
+def _start(models: list[_GroupModel], noise: Floats, exponent: float) -> Floats:
     """Parameters to start from: every part as strong as the record itself."""
     model = models[0]
     parameters: list[float] = []

@@ -4,15 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES
+from insonify.arrays import Floats, Singles
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.scene import SceneError
 from insonify.statistics.record_statistics import measure_ping_spacing
 
-Field = NDArray[np.float64]
 RISE = 1.5  # ratio of the highest to the lowest altitude above which effects of range and angle are separable
 BLOCK = (16, 4)  # pings and bins of a block, which counts by its median
 RANGE_KNOTS, ANGLE_KNOTS = 24, 20
@@ -29,22 +28,20 @@ EFFICIENCY = 0.48 * 0.5
 class LevelCurve(NamedTuple):
     """Level of a record, in dB: that of its range plus that of its grazing angle, on top of Lambert's sin² θ."""
 
-    by_range: Field  # (bins,) gain, spreading, absorption and material
+    by_range: Floats  # (bins,) gain, spreading, absorption and material
     # (n,) vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for
     # a level track, where angle and range are one.
-    angles: Field
-    by_angle: Field
+    angles: Floats
+    by_angle: Floats
 
-    def intensity(self, altitude: Field, slant_range: Field) -> Field:
+    def intensity(self, altitude: Floats, slant_range: Floats) -> Floats:
         """Intensity of the bed under every ping, (pings, bins)."""
         sine = _sine(altitude, slant_range)
         level = self.by_range + np.interp(np.degrees(np.arcsin(sine)), self.angles, self.by_angle)
         return np.asarray(10.0 ** (level / 10.0) * sine**2)
 
 
-def fit_level_curve(
-    intensity: NDArray[np.float32], altitude: Field, bin_length: float, *, separate: bool
-) -> LevelCurve:
+def fit_level_curve(intensity: Singles, altitude: Floats, bin_length: float, *, separate: bool) -> LevelCurve:
     """Fit the level of a record: its median at every slant range, and its dependence on the grazing angle."""
     r = np.asarray((np.arange(intensity.shape[2]) + 0.5) * bin_length)
     lowest = int(np.argmin(altitude))
@@ -56,7 +53,7 @@ def fit_level_curve(
     return _separate(intensity, altitude, r, plain)
 
 
-def _separate(intensity: NDArray[np.float32], altitude: Field, r: Field, plain: LevelCurve) -> LevelCurve:
+def _separate(intensity: Singles, altitude: Floats, r: Floats, plain: LevelCurve) -> LevelCurve:
     """Separate the effects of range and angle in the medians of blocks, by robust least squares."""
     relative = np.mean(intensity, axis=0, dtype=np.float64) / plain.intensity(altitude, r)
     angle = np.degrees(np.arcsin(_sine(altitude, r)))
@@ -73,7 +70,7 @@ def _separate(intensity: NDArray[np.float32], altitude: Field, r: Field, plain: 
     return LevelCurve(plain.by_range + by_range, steep, by_angle)
 
 
-def _solve(design: Field, level: Field) -> Field:
+def _solve(design: Floats, level: Floats) -> Floats:
     """Least absolute deviations by reweighting, with a weak pull of all effects to zero."""
     pull = RIDGE * np.eye(design.shape[1])
     weight = np.ones(level.size)
@@ -85,19 +82,19 @@ def _solve(design: Field, level: Field) -> Field:
     return np.asarray(found)
 
 
-def _hats(values: Field, knots: Field) -> Field:
+def _hats(values: Floats, knots: Floats) -> Floats:
     """Weights of the knots at values between them, (values, knots)."""
     return np.stack([np.interp(values, knots, one) for one in np.eye(knots.size)], axis=1)
 
 
-def _blocks(values: Field) -> Field:
+def _blocks(values: Floats) -> Floats:
     """Cut a field into blocks, (rows, columns, samples)."""
     rows, columns = (size // step for size, step in zip(values.shape, BLOCK))
     cut = values[: rows * BLOCK[0], : columns * BLOCK[1]].reshape(rows, BLOCK[0], columns, BLOCK[1])
     return cut.swapaxes(1, 2).reshape(rows, columns, -1)
 
 
-def _sine(altitude: Field, slant_range: Field) -> Field:
+def _sine(altitude: Floats, slant_range: Floats) -> Floats:
     """Sine of the grazing angle, (pings, bins), 1 above the bed."""
     return np.asarray(np.minimum(altitude[:, None] / slant_range, 1.0))
 
@@ -106,18 +103,18 @@ class SoundedBed(NamedTuple):
     """A record with the altitude by its own first echoes."""
 
     title: str  # name of the record in messages
-    intensity: NDArray[np.float32]  # (2, pings, bins) linear, port first
-    altitude: Field  # (pings,) height of the sonar above the bed, in metres
+    intensity: Singles  # (2, pings, bins) linear, port first
+    altitude: Floats  # (pings,) height of the sonar above the bed, in metres
     bin_length: float  # slant range of a bin, in metres
     ping_spacing: float  # mean distance between pings, in metres
     level: LevelCurve  # level by range and angle
 
     @property
-    def slant_range(self) -> Field:
+    def slant_range(self) -> Floats:
         """Slant ranges of the centres of the bins, (bins,) in metres."""
         return np.asarray((np.arange(self.intensity.shape[2]) + 0.5) * self.bin_length)
 
-    def amplitude(self) -> NDArray[np.float32]:
+    def amplitude(self) -> Singles:
         """Amplitude relative to the level of the record, (2, pings, bins)."""
         return normalise(self.intensity, self.level.intensity(self.altitude, self.slant_range))
 
@@ -130,20 +127,20 @@ class AngleGroup(NamedTuple):
     # (SEGMENT, SEGMENT // 2 + 1) density of the relative amplitude in m², over frequencies along the track (in
     # the order of `numpy.fft`) and in slant range; its integral over both signs of both frequencies is the
     # variance.
-    power: Field
+    power: Floats
     segments: int  # number of segments
 
 
 class SegmentSpectra(NamedTuple):
     """Spectra of a record by grazing angle."""
 
-    along: Field  # (SEGMENT,) frequencies along the track, cycles a metre
-    across: Field  # (SEGMENT // 2 + 1,) frequencies in slant range, cycles a metre
+    along: Floats  # (SEGMENT,) frequencies along the track, cycles a metre
+    across: Floats  # (SEGMENT // 2 + 1,) frequencies in slant range, cycles a metre
     groups: tuple[AngleGroup, ...]  # from grazing to steep angles
     sample: float  # area of a sample, distance between pings times length of a bin, in m²
 
 
-def sound_bed(record: xr.Dataset, altitude: Field, *, separate: bool) -> SoundedBed:
+def sound_bed(record: xr.Dataset, altitude: Floats, *, separate: bool) -> SoundedBed:
     """Take the data of a record from which a bed is learned."""
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
     title = str(record.attrs.get("title", "record"))
@@ -167,7 +164,7 @@ def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
     return SegmentSpectra(np.asarray(along), np.asarray(across), tuple(groups), bed.ping_spacing * bed.bin_length)
 
 
-def _measure_periodograms(bed: SoundedBed) -> tuple[Field, Field, NDArray[np.float32]]:
+def _measure_periodograms(bed: SoundedBed) -> tuple[Floats, Floats, Singles]:
     """Sines of the grazing angles, slant ranges and periodograms of all segments."""
     amplitude = bed.amplitude()
     grazing = _sine(bed.altitude, bed.slant_range)
@@ -198,7 +195,7 @@ def _segments(bed: SoundedBed) -> list[tuple[int, slice, slice]]:
     return found[:: len(found) // MOST_SEGMENTS + 1]
 
 
-def _periodogram(amplitude: NDArray[np.float32], bed: SoundedBed) -> NDArray[np.float32]:
+def _periodogram(amplitude: Singles, bed: SoundedBed) -> Singles:
     """Periodogram of one segment over its mean, less its mean plane, under Hann windows."""
     relative = amplitude / amplitude.mean(dtype=np.float64) - 1.0
     ramp = np.linspace(-1.0, 1.0, SEGMENT)

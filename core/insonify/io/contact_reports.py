@@ -1,20 +1,17 @@
 """Reports of contacts that leave the program: placemarks in KML, and pages with pictures in HTML and PDF."""
 
-import base64
 import io
 from collections.abc import Callable, Sequence
-from html import escape
 from itertools import chain, repeat
 from pathlib import Path
-from string import Template
 from textwrap import wrap
 from typing import Any
 from xml.etree import ElementTree
 
 from insonify.errors import SceneError, plain_text
-from insonify.files import resources
 from insonify.io.atomic import replacing, write_text
 from insonify.io.contacts import Contact
+from insonify.io.pages import fill_page, picture_url
 
 FORMATS = (("Report with pictures (PDF)", ".pdf"), ("Page with pictures (HTML)", ".html"), ("Placemarks (KML)", ".kml"))
 KML = "http://www.opengis.net/kml/2.2"
@@ -58,31 +55,21 @@ def _write_kml(path: Path, contacts: Sequence[Contact]) -> None:
     for contact in placed:
         mark = ElementTree.SubElement(document, "Placemark")
         ElementTree.SubElement(mark, "name").text = plain_text(contact.name)
-        ElementTree.SubElement(mark, "description").text = _picture(contact) + _table(contact)
+        ElementTree.SubElement(mark, "description").text = fill_page("placemark", contact=_shown(contact))
         point = ElementTree.SubElement(mark, "Point")
         ElementTree.SubElement(point, "coordinates").text = f"{contact.longitude!r},{contact.latitude!r},0"
     write_text(path, ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n")
 
 
 def _write_page(path: Path, contacts: Sequence[Contact]) -> None:
-    """Write contacts into the page in ``resources/pages``."""
-    sections = [
-        f"<section>{_picture(each)}<div><h2>{escape(plain_text(each.name))}</h2>{_table(each)}</div></section>"
-        for each in contacts
-    ]
-    page = Template((resources() / "pages" / "contacts.html").read_text(encoding="utf-8"))
-    write_text(path, page.substitute(number=len(contacts), sections="\n".join(sections)))
+    """Write contacts as a page."""
+    write_text(path, fill_page("contacts", contacts=list(map(_shown, contacts))))
 
 
-def _picture(contact: Contact) -> str:
-    """Picture of a contact as an element of HTML, empty if there is none."""
-    data = base64.b64encode(contact.snapshot).decode("ascii")
-    return f'<img alt="the record about it" src="data:image/png;base64,{data}">' if data else ""
-
-
-def _table(contact: Contact) -> str:
-    rows = [f"<tr><th>{name}</th><td>{escape(text)}</td></tr>" for name, text in describe_contact(contact).items()]
-    return f"<table>{''.join(rows)}</table>"
+def _shown(contact: Contact) -> dict[str, Any]:
+    """Name, fields and picture of a contact, as pages and placemarks show them."""
+    fields, picture = describe_contact(contact), picture_url(contact.snapshot)
+    return {"name": plain_text(contact.name), "fields": fields, "picture": picture}
 
 
 def _write_pdf(path: Path, contacts: Sequence[Contact]) -> None:

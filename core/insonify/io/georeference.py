@@ -5,11 +5,10 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 
-Values = NDArray[np.float64]
 DEGREES = "EPSG:4326"  # longitude and latitude on WGS 84
 UTM_NORTH, UTM_SOUTH = 32600, 32700  # EPSG codes of the zones of WGS 84, less the number of the zone
 LATITUDES_OF_UTM = (-80.0, 84.0)
@@ -48,18 +47,18 @@ def utm_zone(longitude: float, latitude: float) -> str:
     return f"EPSG:{(UTM_NORTH if latitude >= 0.0 else UTM_SOUTH) + zone}"
 
 
-def to_degrees(place: Georeference, x: Values, y: Values) -> tuple[Values, Values]:
+def to_degrees(place: Georeference, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Return longitude and latitude on WGS 84."""
     return project(place.crs, DEGREES, x + place.origin[0], y + place.origin[1])
 
 
-def from_degrees(place: Georeference, longitude: Values, latitude: Values) -> tuple[Values, Values]:
+def from_degrees(place: Georeference, longitude: Floats, latitude: Floats) -> tuple[Floats, Floats]:
     """Return the record's x and y, in metres, of longitudes and latitudes; the inverse of `to_degrees`."""
     easting, northing = project(DEGREES, place.crs, longitude, latitude)
     return easting - place.origin[0], northing - place.origin[1]
 
 
-def project(source: str, target: str, x: Values, y: Values) -> tuple[Values, Values]:
+def project(source: str, target: str, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Transform coordinates from one reference system to another; x is the easting or the longitude."""
     found = _transformer(source, target).transform(x, y)
     return np.asarray(found[0], dtype=np.float64), np.asarray(found[1], dtype=np.float64)

@@ -4,15 +4,15 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Singles
 from insonify.io.atomic import replacing
 
 BLOCK = 256  # cells of a tile's side
 
 
 def write_geotiff(
-    path: Path, values: NDArray[np.float32], corner: tuple[float, float], cell: float, crs: str, *, band: str, unit: str
+    path: Path, values: Singles, corner: tuple[float, float], cell: float, crs: str, *, band: str, unit: str
 ) -> None:
     """Write a grid with NaN as its value for no data."""
     # lazy: GDAL takes a fifth of a second to load
@@ -31,7 +31,7 @@ def write_geotiff(
         file.units = (unit,)
 
 
-def write_kmz(path: Path, colours: NDArray[np.uint8], corner: tuple[float, float], cell: float, crs: str) -> None:
+def write_kmz(path: Path, colours: Bytes, corner: tuple[float, float], cell: float, crs: str) -> None:
     """Write a picture, (rows, columns, 4) of red, green, blue and opacity, as tiles that Google Earth opens."""
     # lazy: GDAL takes a fifth of a second to load
     import rasterio

@@ -1,16 +1,13 @@
 """Successive pings of a record as plain arrays: the data of a Dataset, without the time that xarray takes to import."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    import xarray as xr
+from insonify.arrays import Dataset
 
 
 class RecordVariable(NamedTuple):
@@ -39,7 +36,7 @@ class RecordBlock:
         each = self.variables.values()
         return {name: size for one in each for name, size in zip(one.dims, one.values.shape)}
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> Dataset:
         """Return the pings as a Dataset, which shares the arrays."""
         import xarray as xr  # takes longer to import than a preview takes to trace
 
@@ -52,7 +49,7 @@ class RecordBlock:
         return xr.Dataset(variables, attrs=self.attributes).set_coords(self.coordinates)
 
 
-Record: TypeAlias = "RecordBlock | xr.Dataset"
+Record: TypeAlias = "RecordBlock | Dataset"
 
 
 def make_record_block(
@@ -83,6 +80,6 @@ def as_block(record: Record) -> RecordBlock:
     return RecordBlock(variables, tuple(map(str, record.coords)), record.attrs)
 
 
-def as_dataset(record: Record) -> xr.Dataset:
+def as_dataset(record: Record) -> Dataset:
     """Return a block or a Dataset as a Dataset."""
     return record.to_dataset() if isinstance(record, RecordBlock) else record

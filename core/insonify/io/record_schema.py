@@ -1,17 +1,13 @@
 """Schema of a record as a Dataset: names, units and meanings, for simulations and recordings alike."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Floats, Reals, Singles
 from insonify.io.georeference import Georeference, to_degrees
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 CHANNELS = ("port", "starboard")
 ACROSS = ("channel", "ping_time", "range_sample")
@@ -46,7 +42,7 @@ TARGET_TRUTH = {
 CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
-def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], sound_speed: float) -> dict[str, Any]:
+def coordinates(times: Floats, slant_range: Reals, sound_speed: float) -> dict[str, Any]:
     """Return a record's coordinates."""
     travel_time = 2.0 * slant_range / sound_speed
     return {
@@ -57,7 +53,7 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
     }
 
 
-def platform(columns: Iterable[NDArray[np.float64]], place: Georeference | None = None) -> dict[str, Any]:
+def platform(columns: Iterable[Floats], place: Georeference | None = None) -> dict[str, Any]:
     """Return the variables of the sonar's position and attitude."""
     found = {name: ("ping_time", column, labels(*text)) for (name, text), column in zip(PLATFORM.items(), columns)}
     if place is not None and place.crs:
@@ -71,7 +67,7 @@ def labels(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
+def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     """Join successive blocks of pings into one record."""
     # Variables of targets cover all pings so far and are taken from the last block. What else does not change with time
     # is taken from the first.
@@ -85,7 +81,7 @@ def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     return joined.assign({name: blocks[-1][name] for name in TARGET_TRUTH if name in joined})
 
 
-def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
+def echo_variable(intensity: Singles) -> dict[str, Any]:
     """Return the variable that holds the echoes."""
     attributes = labels("1", "echo intensity, linear, before display gain")
     return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), attributes)}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from insonify.arrays import Dataset
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
 from insonify.lessons.courses import check_course
@@ -12,9 +13,6 @@ from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import AUTOMATIC, USUAL_TOLERANCE, LessonState, named, states_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def check_lesson(lesson: Lesson) -> None:
@@ -30,7 +28,7 @@ def check_lesson(lesson: Lesson) -> None:
 def check_records(lesson: Lesson) -> int:
     """Check questions of a lesson against simulated records; return how many were compared."""
     checked = 0
-    records: dict[Any, xr.Dataset] = {}
+    records: dict[Any, Dataset] = {}
     for step, start, end in states_of(lesson):
         with named(lesson, step):
             if step.ask is not None:
@@ -73,7 +71,7 @@ def _number(text: str, reader: Reader) -> float:
 class _Simulated:
     """A state whose quantities are measured in its simulated record where they can be."""
 
-    def __init__(self, state: LessonState, records: dict[Any, xr.Dataset]) -> None:
+    def __init__(self, state: LessonState, records: dict[Any, Dataset]) -> None:
         self.state, self._records = state, records
         self.measured = False  # whether any was
 
@@ -92,7 +90,7 @@ class _Simulated:
         return measure(self.state.scene, self._records[key], *arguments)
 
 
-def _simulate(state: LessonState) -> xr.Dataset:
+def _simulate(state: LessonState) -> Dataset:
     """Simulate the scene of a state with the choices of its plan."""
     # lazy: loads Numba
     from insonify.simulation import simulate

@@ -1,19 +1,14 @@
 """Quantities that questions of lessons ask for: closed forms of a scene, or measured in a simulated record."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Floats
 from insonify.scene import Scene
 from insonify.scene.sonar.beams.line_array import LineArray
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDES = ("port", "starboard")
 # −3 dB width of a line array, one-way, in wavelengths over its length (docs/theory/beam.md).
@@ -77,11 +72,11 @@ def _ping_spacing(scene: Scene) -> float:
     return scene.track.speed / scene.sonar.ping_rate
 
 
-def _edges(scene: Scene) -> NDArray[np.float64]:
+def _edges(scene: Scene) -> Floats:
     return np.linspace(0.0, scene.sonar.range, scene.sonar.bins + 1)
 
 
-def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
+def _dark_stretch(scene: Scene, record: Dataset) -> tuple[float, float]:
     """Slant ranges between which the longest stretch without echo behind the first return lies."""
     # Of the ping abreast of the first target, on its side.
     across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
@@ -94,42 +89,42 @@ def _dark_stretch(scene: Scene, record: xr.Dataset) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def _edge_of_echoes(scene: Scene, record: xr.Dataset, order: int = 1) -> float:
+def _edge_of_echoes(scene: Scene, record: Dataset, order: int = 1) -> float:
     """Median over pings of the slant range of the first bin with an echo, or of the last with the order -1."""
     echo = record.intensity.to_numpy()[..., ::order] > 0.0
     return float(np.median(_edges(scene)[::order][echo.any(axis=0).argmax(axis=1)]))
 
 
-def _between(measure: Callable[[NDArray[np.float64]], float]) -> Callable[..., float]:
+def _between(measure: Callable[[Floats], float]) -> Callable[..., float]:
     """Measure the intensity between two slant ranges, (sides, pings, bins)."""
 
-    def measured(scene: Scene, record: xr.Dataset, near: float, far: float) -> float:
+    def measured(scene: Scene, record: Dataset, near: float, far: float) -> float:
         centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
         return float(measure(record.intensity.to_numpy()[..., (centres >= near) & (centres <= far)]))
 
     return measured
 
 
-def _contrast(within: NDArray[np.float64]) -> float:
+def _contrast(within: Floats) -> float:
     """Spread of the mean over pings about a parabola of the logarithms, which takes off its fall with range."""
     mean = within.mean(axis=(0, 1))
     logarithm, place = np.log(np.maximum(mean, 1e-30)), np.linspace(-1.0, 1.0, mean.size)
     return float(np.std(logarithm - np.polyval(np.polyfit(place, logarithm, 2), place)))
 
 
-def _along_contrast(within: NDArray[np.float64]) -> float:
+def _along_contrast(within: Floats) -> float:
     louder = max(within, key=np.max)
     return float(louder.std(axis=0).mean() / louder.mean())
 
 
-def _along_period(within: NDArray[np.float64]) -> float:
+def _along_period(within: Floats) -> float:
     """Pings per wave at the peak of the spectrum along the track."""
     louder = max(within, key=np.max)
     power = np.square(np.abs(np.fft.rfft(louder - louder.mean(axis=0), axis=0))).sum(axis=1)
     return len(louder) / float(power.argmax())
 
 
-def _echoes(within: NDArray[np.float64]) -> float:
+def _echoes(within: Floats) -> float:
     """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
     strongest = max(within, key=np.max).max(axis=1)
     loud = strongest > 0.25 * strongest.max()

@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers
 from insonify.kernels.common.types import Mesh, Poses, Solids, still_water
 from insonify.packing.packed_scene import PackedScene, pack
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import Scene
 from insonify.terrain import Ground
 
-Vectors = NDArray[np.float64]
 MARGIN = 0.07  # of the longer side, around everything that must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
 SHADOW = 1.4  # times the distance of a target, to which its shadow is shown
@@ -54,15 +53,15 @@ def make_optical_scene(scene: Scene) -> OpticalScene:
 class Cutaway:
     """A box of bed and water, along and across the heading of the sonar."""
 
-    axes: Vectors  # (3, 3) rows: ahead, to port, up
-    low: Vectors  # (3,) corners of the box along these axes, in metres from the local origin
-    high: Vectors
-    lamp: Vectors  # (3,) where the sonar is: local x and y, height above the datum
+    axes: Floats  # (3, 3) rows: ahead, to port, up
+    low: Floats  # (3,) corners of the box along these axes, in metres from the local origin
+    high: Floats
+    lamp: Floats  # (3,) where the sonar is: local x and y, height above the datum
     # (n, 3) points that a picture must show: corners of the bed, the sonar, outermost points of the targets.
-    seen: Vectors
+    seen: Floats
     aside: float  # side of the camera, 1 for port and -1 for starboard: the side with fewer targets
 
-    def intersect(self, origin: Vectors, ways: Vectors) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
+    def intersect(self, origin: Floats, ways: Floats) -> tuple[Floats, Floats, Integers]:
         """Distances at which rays from one origin enter and leave the box."""
         o, d = self.axes @ origin, ways @ self.axes.T
         d = np.where(d == 0.0, 1e-300, d)
@@ -106,7 +105,7 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     )
 
 
-def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
+def _to_port(solids: Solids, mesh: Mesh, lamp: Floats, port: Floats) -> float:
     """Sum the sizes of the targets to port of the sonar, less those to starboard, in metres."""
     targets = np.concatenate([solids.target, np.repeat(mesh.target, 3)])
     places = np.concatenate([solids.start + 0.5 * solids.length[:, None] * solids.axis, mesh.corners.reshape(-1, 3)])
@@ -119,11 +118,11 @@ def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
     return balance
 
 
-def _ahead(heading: float) -> Vectors:
+def _ahead(heading: float) -> Floats:
     return np.array([math.cos(heading), math.sin(heading), 0.0])
 
 
-def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
+def _target_points(solids: Solids, mesh: Mesh) -> Floats:
     """Outermost points of the targets, (n, 3)."""
     ends = np.concatenate([solids.start, solids.start + solids.length[:, None] * solids.axis])
     wide = np.tile(np.maximum(solids.radius, solids.radius + solids.taper * solids.length), 2)[:, None]
@@ -131,7 +130,7 @@ def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
     return np.concatenate([*around, mesh.corners.reshape(-1, 3)])
 
 
-def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
+def _heights(ground: Ground, axes: Floats, low: Floats, high: Floats) -> tuple[float, float]:
     """Lowest and highest bed within the box."""
     along, aside = (np.linspace(*ends, 400) for ends in zip(low, high))
     places = along[:, None, None] * axes[0, :2] + aside[:, None] * axes[1, :2]
@@ -144,14 +143,14 @@ def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tupl
 class Camera:
     """A pinhole camera: its place, axes and window."""
 
-    place: Vectors  # (3,) local coordinates, in metres
-    axes: Vectors  # (3, 3) rows: to the right, up, ahead
-    low: Vectors  # (2,) corners of the window, as slopes to the right and up
-    high: Vectors
+    place: Floats  # (3,) local coordinates, in metres
+    axes: Floats  # (3, 3) rows: to the right, up, ahead
+    low: Floats  # (2,) corners of the window, as slopes to the right and up
+    high: Floats
     width: int  # of the picture, in pixels
     height: int
 
-    def directions(self, rows: NDArray[np.int64], samples: int) -> Vectors:
+    def directions(self, rows: Integers, samples: int) -> Floats:
         """Return unit directions through rows of pixels, (rows, samples, width, samples, 3); row 0 is at the top."""
         step = (self.high - self.low) / (self.width, self.height)
         part = (np.arange(samples) + 0.5) / samples
@@ -162,7 +161,7 @@ class Camera:
         ways = slopes @ self.axes
         return ways / np.linalg.norm(ways, axis=-1, keepdims=True)
 
-    def project(self, place: Vectors) -> tuple[float, float]:
+    def project(self, place: Floats) -> tuple[float, float]:
         """Project a point: pixels from the left and from the top."""
         right, up, ahead = self.axes @ (place - self.place)
         x, y = (np.array([right, up]) / ahead - self.low) / (self.high - self.low)

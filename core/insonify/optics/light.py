@@ -6,19 +6,17 @@ returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Pho
 of ambient light, so that no shadow is black.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes, Floats, Integers
 from insonify.io.atomic import replacing
 from insonify.kernels.common.types import BED, SceneArrays, Solids
-from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, Vectors, make_camera, make_cutaway
+from insonify.optics.cutaway import Camera, Cutaway, OpticalScene, make_camera, make_cutaway
 from insonify.packing.targets import pack_solids
 from insonify.parallel import in_parallel
 from insonify.scene.seabed.materials.catalogue import MATERIALS
@@ -49,13 +47,13 @@ INSET = 26  # pixels from the left
 INK, FAINT = "#f2f6f8", "#b9cbd3"
 
 
-def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
+def hues(rows: tuple[str, ...]) -> Floats:
     """Linear colours of rows of the material table, (n, 3), scaled to a luminance of 1."""
     linear = np.array([mixed_colour(shares_of(row)) for row in rows]) ** 2.2
     return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
 
 
-def mixed_colour(shares: Shares) -> NDArray[np.float64]:
+def mixed_colour(shares: Shares) -> Floats:
     """Mean colour of named materials by their shares, (3,)."""
     return np.asarray(sum(share * np.array(MATERIALS[name].colour) for name, share in shares))
 
@@ -69,18 +67,18 @@ def shares_of(row: str) -> Shares:
 class OpticalHits(NamedTuple):
     """Hits of rays of sight, with the share of light that each returns."""
 
-    ray: NDArray[np.int64]  # (n,) number of the ray
+    ray: Integers  # (n,) number of the ray
     # (n, 3) place of the hit, direction of the ray, and unit normal on the ray's side; the normal is zero inside
     # a body.
-    where: Vectors
-    way: Vectors
-    normal: Vectors
-    what: NDArray[np.int64]  # (n,) index of the target, or ``BED`` (-1)
-    share: NDArray[np.float64]  # (n,) share of the surface's light that reaches the eye
-    escaped: NDArray[np.float64]  # (n,) share of the ray that continues from here and hits nothing
+    where: Floats
+    way: Floats
+    normal: Floats
+    what: Integers  # (n,) index of the target, or ``BED`` (-1)
+    share: Floats  # (n,) share of the surface's light that reaches the eye
+    escaped: Floats  # (n,) share of the ray that continues from here and hits nothing
 
 
-def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> NDArray[np.uint8]:
+def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> Bytes:
     """Draw a scene lit by a lamp at the sonar, half way along the track."""
     renderer = LightRenderer(optical, cutaway)
     camera = make_camera(cutaway, width)
@@ -99,13 +97,13 @@ class LightRenderer:
         self._shown = with_towfish(self._arrays, self._cutaway, self._of_bed)
         self._hues = hues(names)
 
-    def rows(self, camera: Camera, first: int, last: int) -> Vectors:
+    def rows(self, camera: Camera, first: int, last: int) -> Floats:
         """Average the light of the rays through each pixel of some rows."""
         ways = camera.directions(np.arange(first, last), SAMPLES)
         seen = self.light_along(camera.place, ways.reshape(-1, 3))
         return np.asarray(seen.reshape(*ways.shape[:-1], 6).mean(axis=(1, 3)))
 
-    def light_along(self, place: Vectors, ways: Vectors) -> Vectors:
+    def light_along(self, place: Floats, ways: Floats) -> Floats:
         """Trace rays from the eye and return the light that arrives along them."""
         up = np.clip((ways[:, 2:] - STEEP) / (SLIGHT - STEEP), 0.0, 1.0)
         seen = np.concatenate([np.zeros(ways.shape), DEEP + up * (CLEAR - DEEP)], axis=1)  # the water
@@ -125,7 +123,7 @@ class LightRenderer:
         np.add.at(seen[:, 3:], ray, found.escaped[:, None] * CLEAR)
         return seen
 
-    def _returned(self, found: OpticalHits) -> Vectors:
+    def _returned(self, found: OpticalHits) -> Floats:
         """Light that surfaces return to the eye, (n, 6)."""
         rows = material_rows(self._shown, found.where, found.what, self._of_bed)
         diffuse, specular, shininess = self._shown.reflectivity[rows].T
@@ -146,9 +144,7 @@ class LightRenderer:
         return np.concatenate([np.where(is_fish, 0.0, lit), np.where(is_fish, FISH * facing, 0.0)], axis=1)
 
 
-def find_optical_hits(
-    arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int
-) -> OpticalHits:
+def find_optical_hits(arrays: SceneArrays, starts: Floats, ways: Floats, reach: Floats, of_bed: int) -> OpticalHits:
     """Trace rays to their first hit within reach, and further where the scene follows bounces."""
     distance, what, normal = cast(arrays, starts, ways, reach=float(reach.max(initial=0.0)))
     ray = np.flatnonzero(distance <= reach)
@@ -159,7 +155,7 @@ def find_optical_hits(
     return OpticalHits(ray, where, ways[ray], normal[ray], what[ray], ones, 0.0 * ones)
 
 
-def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> OpticalHits:
+def _followed(arrays: SceneArrays, starts: Floats, ways: Floats, ray: Integers, of_bed: int) -> OpticalHits:
     """Follow rays, each of which hits something, through their bounces."""
     paths = follow(arrays, starts, ways, arrays.bounces, reach=LONG)
     before = _before(paths)
@@ -174,7 +170,7 @@ def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[
     return OpticalHits(ray[paths.ray], paths.position, way, normal, paths.what, share, escaped)
 
 
-def _before(paths: PathHits) -> NDArray[np.int64]:
+def _before(paths: PathHits) -> Integers:
     """Index of the hit before each: the last one listed with one bounce less; a first hit has its own index."""
     numbers = np.arange(paths.ray.size)
     before = numbers.copy()
@@ -185,9 +181,7 @@ def _before(paths: PathHits) -> NDArray[np.int64]:
     return before
 
 
-def _escaped(
-    arrays: SceneArrays, paths: PathHits, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
-) -> NDArray[np.float64]:
+def _escaped(arrays: SceneArrays, paths: PathHits, before: Integers, within: Booleans, of_bed: int) -> Floats:
     """Fraction of a ray's energy that escapes after each hit without hitting anything again."""
     rows = material_rows(arrays, paths.position, paths.what, of_bed)
     share, mirrored = paths.throughput, arrays.interface[rows, 0] ** 2
@@ -201,7 +195,7 @@ def _escaped(
     return np.maximum(np.where(within, share, share * mirrored) - met, 0.0)
 
 
-def material_rows(arrays: SceneArrays, where: Vectors, what: NDArray[np.int64], of_bed: int) -> NDArray[np.int64]:
+def material_rows(arrays: SceneArrays, where: Floats, what: Integers, of_bed: int) -> Integers:
     """Row of the reflectivity table at each hit; the rows of targets follow those of the bed."""
     bed = arrays.bed
     ny, nx = bed.materials.shape
@@ -210,7 +204,7 @@ def material_rows(arrays: SceneArrays, where: Vectors, what: NDArray[np.int64], 
     return np.where(what < 0, bed.materials[j, i], of_bed + what)
 
 
-def tone_mapped(seen: Vectors) -> NDArray[np.uint8]:
+def tone_mapped(seen: Floats) -> Bytes:
     """Tone-map the light of lit surfaces and add the water, giving 8-bit colours."""
     light, given = seen[..., :3], seen[..., 3:]
     brightness = light @ LUMINANCE

@@ -4,9 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
+from insonify.arrays import Booleans, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import highest_place
 from insonify.kernels.refraction.apparent_positions import ApparentTables, no_apparent_tables
@@ -29,7 +29,7 @@ class _Extent(NamedTuple):
     reference: float  # m/s
 
 
-def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
+def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, Booleans]:
     """Tabulate apparent positions for the heights of some pings."""
     if not arrays.water.bent or poses.z.size == 0:
         return no_apparent_tables(), np.zeros(poses.z.size, np.bool_)
@@ -63,7 +63,7 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
     return bending, folds[below - numbers[0]] | folds[below + 1 - numbers[0]]
 
 
-def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extend_below_bed(arrays: SceneArrays) -> tuple[Floats, Floats]:
     """Nodes of the water, extended below the lowest bed with the gradient that holds there."""
     # No sound goes there, but a ray that turns up again from there appears to come from below the bed, which hides it.
     water, low = arrays.water, arrays.bed.low
@@ -79,7 +79,7 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
 
 
 @keep_arrays
-def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[NDArray[np.float32], bool]:
+def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[Singles, bool]:
     """Table of the sonar at step k of height, and whether every place of it is reached by one ray alone."""
     nodes = np.frombuffer(height), np.frombuffer(speed)
     table = np.zeros((extent.rows, extent.columns, 4), np.float32)

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import find_enclosing_solid
 from insonify.scene import SceneError
@@ -40,12 +40,12 @@ def _refuse(target: int) -> None:
     raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
 
 
-def _within(places: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+def _within(places: Floats, low: Floats, high: Floats) -> Floats:
     """Places that lie inside a box."""
     return places[((places > low) & (places < high)).all(axis=1)]
 
 
-def solid_angle(corners: NDArray[np.float64]) -> float:
+def solid_angle(corners: Floats) -> float:
     """Signed solid angle of triangles as seen from the origin: ±4π within a closed shape, 0 outside."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     la, lb, lc = np.linalg.norm(corners, axis=2).T

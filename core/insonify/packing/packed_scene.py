@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, Solids, still_water
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.scene_arrays import make_bed, pack_scene
@@ -48,15 +48,15 @@ class PackedScene:
     _tiles: dict[tuple[int, int], TerrainTiles] = field(default_factory=dict, repr=False)
     works: dict[Model, float] = field(default_factory=dict, repr=False)  # of a ping, as a plan counts them
 
-    def poses(self, pings: NDArray[np.int64]) -> Poses:
+    def poses(self, pings: Integers) -> Poses:
         """Return position and attitude of the sonar at the given pings; the tow continues beyond the track's last."""
         return make_poses(self.scene, self.ground, pings)
 
-    def line(self, pings: NDArray[np.int64]) -> TowLine:
+    def line(self, pings: Integers) -> TowLine:
         """Return positions and headings along the line of the tow, without the motion of the fish about it."""
         return tow_line_at(self.scene, pings)
 
-    def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    def altitude(self, pings: Integers) -> Floats:
         """Return the altitude of the sonar above the bed, in metres, with the bed smoothed as a fish follows it."""
         return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
 
@@ -104,11 +104,11 @@ def pack(scene: Scene, ground: AnyGround | None = None) -> PackedScene:
 
 def without_targets(arrays: SceneArrays) -> SceneArrays:
     """Return a scene's arrays without its targets."""
-    none: NDArray[np.bool_] = np.zeros(arrays.solids.target.size, np.bool_)
+    none: Booleans = np.zeros(arrays.solids.target.size, np.bool_)
     return _keep_bodies(arrays, none, np.zeros(arrays.mesh.target.size, np.bool_))
 
 
-def _keep_bodies(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: NDArray[np.bool_]) -> SceneArrays:
+def _keep_bodies(arrays: SceneArrays, solids: Booleans, triangles: Booleans) -> SceneArrays:
     """Scene with only some of its solids and triangles."""
     if solids.all() and triangles.all():
         return arrays

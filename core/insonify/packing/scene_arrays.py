@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import absorption_coefficient, make_water, recording_speed
+from insonify.arrays import Floats, Singles
 from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import (
     EVERY_GRAZING,
@@ -31,7 +31,7 @@ STRIP = 8  # rows turned at once
 MISPLACED = 0.003  # share of a bin's echo that a segment may add wrongly
 VERTICAL_SHARE = 1.0 / 16.0  # of the vertical beam's half width: the angle that a segment may span
 # Heights by their identity, and their transposed copy.
-_SHARED: dict[int, tuple[weakref.ref[NDArray[np.float32]], weakref.ref[NDArray[np.float32]]]] = {}
+_SHARED: dict[int, tuple[weakref.ref[Singles], weakref.ref[Singles]]] = {}
 
 
 def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
@@ -93,7 +93,7 @@ def make_limits(reflectivities: Iterable[Sequence[Any]], pattern: BeamPattern, b
     return SegmentLimits(shininess, bin_length, angle, MISPLACED, True)
 
 
-def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:
+def _transposed(heights: Singles) -> Singles:
     """Transposed copy of heights that are not written to; beds of the same heights share it while one of them lives."""
     known, shared = _SHARED.get(id(heights), (None, None))
     if known is not None and shared is not None and known() is heights and (turned := shared()) is not None:
@@ -103,7 +103,7 @@ def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:
     return turned
 
 
-def _turned(heights: NDArray[np.float32]) -> NDArray[np.float32]:
+def _turned(heights: Singles) -> Singles:
     """Transposed copy, strip by strip: six times as fast as row by row, which misses the cache."""
     ny, nx = heights.shape
     turned = np.empty((nx, ny), dtype=heights.dtype)
@@ -112,7 +112,7 @@ def _turned(heights: NDArray[np.float32]) -> NDArray[np.float32]:
     return turned
 
 
-def range_factor(scene: Scene, slant_range: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
+def range_factor(scene: Scene, slant_range: Floats, depth: float) -> Floats:
     """Two-way spreading r⁻⁴ (law `sonar`; the light of law `light` does not spread) and absorption."""
     loss = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
     factor = np.exp(-4.0 * loss * slant_range)  # intensity, there and back

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers
 from insonify.kernels.common.types import SPHERE, Mesh, Solids
 from insonify.kernels.speckle.surface_patches import BALL, FACE, FIRST_CAP, LAST_CAP, ROUND, SurfacePatches
 
@@ -21,7 +21,7 @@ class _Belt(NamedTuple):
     low: float
     high: float
     area: float
-    centre: NDArray[np.float64]
+    centre: Floats
     bound: float
 
 
@@ -79,7 +79,7 @@ def _steps(low: float, high: float) -> Iterator[tuple[float, float]]:
     return zip(edges[:-1].tolist(), edges[1:].tolist())
 
 
-def _small_triangles(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _small_triangles(corners: Floats) -> tuple[Floats, Integers]:
     """Triangles halved at their longest edges until those are short, and the row that each was part of."""
     whole = np.arange(len(corners), dtype=np.int64)
     done, rows = [corners[:0]], [whole[:0]]

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Integers
 from insonify.errors import located
 from insonify.io.meshes import has_area
 from insonify.kernels.common.types import FRUSTUM, SPHERE, Mesh, Solids
@@ -29,7 +29,7 @@ def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Ref
     return solids, _mesh(shapes, before), [*ground.reflectivities, *materials]
 
 
-def pack_solids(rows: Sequence[Solid], material: NDArray[np.int64], target: NDArray[np.int64]) -> Solids:
+def pack_solids(rows: Sequence[Solid], material: Integers, target: Integers) -> Solids:
     """Pack balls and frustums for the kernels, with the row of each one's material and its target's number."""
     return Solids(
         shape=np.array([SPHERE if row.is_ball else FRUSTUM for row in rows], dtype=np.int64),
@@ -51,6 +51,6 @@ def _mesh(shapes: list[Shape], before: int) -> Mesh:
     return build_mesh(corners[whole], before + target[whole], target[whole])
 
 
-def _numbers(counts: list[int]) -> NDArray[np.int64]:
+def _numbers(counts: list[int]) -> Integers:
     """Repeat every target's number as often as it has solids or triangles."""
     return np.repeat(np.arange(len(counts)), counts).astype(np.int64)

@@ -12,6 +12,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Integers
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
 from insonify.terrain import AnyGround, EndlessGround, StoredWindow
@@ -53,7 +54,7 @@ class TerrainTiles:
             return _join(places, found)
         return tuple(_join(places, columns) for columns in zip(*found))
 
-    def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
+    def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[Integers | slice, SceneArrays]]:
         """Sort poses by the tiles beneath them."""
         if self._beds is None or poses.x.size == 0:
             yield slice(None), arrays
@@ -132,7 +133,7 @@ def drop_windows() -> None:
         beds.shrink(0)
 
 
-def _join(places: NDArray[np.int64], columns: Sequence[Column]) -> Column:
+def _join(places: Integers, columns: Sequence[Column]) -> Column:
     """Join the columns of several tiles in the order of the pings."""
     joined = np.concatenate(columns)
     ordered = np.empty_like(joined)

@@ -4,9 +4,10 @@ import math
 import time
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
+from insonify.arrays import Booleans, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
@@ -15,7 +16,6 @@ from insonify.scene import SceneError
 from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
 
-Record = NDArray[np.float32]
 FEW = 12  # pings at least on which models are compared
 LITTLE = 1e6  # work of some milliseconds, which more pings than these may take together
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
@@ -26,10 +26,10 @@ LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
 
-def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Record:
+def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Singles:
     """Trace pings of a scene by a model on one thread, (n, 2, bins)."""
     tracer, settings = prepare_tracer(packed, model), find_tracer(model.method).settings(model)
-    found: Record = packed.ground_tiles(model.every, tracer.bins_beyond).map(
+    found: Singles = packed.ground_tiles(model.every, tracer.bins_beyond).map(
         lambda tile, some: tracer.trace(tile, some, threads=1, **settings), packed.reduce(model), poses
     )
     return found
@@ -58,7 +58,7 @@ class Probe:
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
-        self._traced: dict[Model, Record] = {}
+        self._traced: dict[Model, Singles] = {}
         self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Model, Model, float, bool, tuple[int, ...]], float] = {}
 
@@ -117,9 +117,7 @@ class Probe:
         energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
         return tuple(np.argsort(-energy, kind="stable")[:most].tolist())
 
-    def _error(
-        self, missed: NDArray[np.float64], whole: NDArray[np.float64], across: NDArray[np.bool_], cautious: bool
-    ) -> float:
+    def _error(self, missed: Floats, whole: Floats, across: Booleans, cautious: bool) -> float:
         """Greatest error of both groups of pings, from squares."""
         squares = missed.sum(axis=1), whole.sum(axis=1)
         groups = [tuple(part[of] for part in squares) for of in (across, ~across)]
@@ -169,13 +167,13 @@ class Probe:
         trace_model(packed, model, poses)
         return time.thread_time() - began
 
-    def _trace(self, model: Model, count: int, of: tuple[int, ...] = ()) -> Record:
+    def _trace(self, model: Model, count: int, of: tuple[int, ...] = ()) -> Singles:
         """Trace a number of the pings, or some of them, unless they are traced already."""
         pings = np.array(of or range(min(count, self._is_across.size)))
         if model in self._traced and self._traced[model].shape[0] > pings.max():
             return self._traced[model][pings]
 
-        def block(first: int, last: int) -> Record:
+        def block(first: int, last: int) -> Singles:
             return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
 
         parts = in_parallel(block, pings.size, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
@@ -192,20 +190,20 @@ def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
     return tuple(model._replace(ways=model.ways - {SURFACE_ECHO}) for model in models)
 
 
-def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Record:
+def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Singles:
     """Return the factors by which a record is divided by its flat-bed curve, from a bin on; 0 where that is none."""
     curve = compute_flat_bed_curves(arrays, poses)[:, :, first:]
     echoes = curve > np.finfo(np.float32).tiny
     return np.divide(1.0, curve, out=np.zeros_like(curve), where=echoes).astype(np.float32)
 
 
-def _ratio(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ratio(missed: Floats, whole: Floats) -> Floats:
     """Root of the ratio of energies; 1 where the finer model returns nothing and the coarser one something."""
     echoes = whole > 0.0
     return np.sqrt(np.where(echoes, missed / np.where(echoes, whole, 1.0), missed > 0.0))
 
 
-def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
+def _standard_error(missed: Floats, whole: Floats) -> float:
     """Return the jackknife's standard error of the ratio of sums: from the ratios without each ping (Efron 1982)."""
     if missed.size < 2:
         return 0.0

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 from insonify.tow.line import tow_line_at
@@ -27,21 +27,19 @@ COARSE_TRACK = 2048  # pings at which distances to targets are first evaluated
 FARTHER = 1e-3  # weight of the distance of a target against that from the beam's axis: of two passes the nearer one
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
-Pings = NDArray[np.int64]
-
 
 class ProbePings(NamedTuple):
     """Pings on which errors are measured."""
 
-    spread: Pings  # (n,) pings over the whole track
-    across: Pings  # (m,) pings in which the beam crosses targets
+    spread: Integers  # (n,) pings over the whole track
+    across: Integers  # (m,) pings in which the beam crosses targets
 
     @property
-    def all(self) -> Pings:
+    def all(self) -> Integers:
         """All of them, (n + m,)."""
         return np.concatenate([self.spread, self.across])
 
-    def interleaved(self) -> tuple[Pings, NDArray[np.bool_]]:
+    def interleaved(self) -> tuple[Integers, Booleans]:
         """Return all of them in an order in which the first few are spread like all, and which are across targets."""
         place = [(GOLDEN * np.arange(part.size) % 1.0).argsort(kind="stable").argsort() for part in self]
         order = np.argsort(np.concatenate([(rank + 0.5) for rank in place]), kind="stable")
@@ -65,12 +63,12 @@ def choose_probe_pings(
     return ProbePings(spread, _across(scene, targets, half_width))
 
 
-def spread_over_track(scene: Scene, count: int) -> Pings:
+def spread_over_track(scene: Scene, count: int) -> Integers:
     """One ping from each of ``count`` equal parts of the track; far along endless ground the bed has yet to be made."""
     return _spread(min(scene.track.pings, MADE_AT_ONCE) if scene.seabed.endless else scene.track.pings, count)
 
 
-def _spread(pings: int, count: int) -> Pings:
+def _spread(pings: int, count: int) -> Integers:
     """One ping from each of ``count`` equal parts of the track.
 
     Its place within the part is the fraction of k² times the golden ratio: unlike that of k, in step with no period.
@@ -80,7 +78,7 @@ def _spread(pings: int, count: int) -> Pings:
     return edges[:-1] + (within * np.diff(edges)).astype(np.int64)
 
 
-def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
+def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Integers:
     """Pings spread over those within range of a measured bed, or over all if none is."""
     first, last = 0, pings - 1
     for _ in range(2):  # the second time from the first to the last of them, where they are few
@@ -94,7 +92,7 @@ def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
     return first + _spread(last - first + 1, SPREAD)
 
 
-def _is_over_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bool_]:
+def _is_over_bed(scene: Scene, ground: AnyGround, pings: Integers) -> Booleans:
     """Whether a measured bed, which may end or have holes, lies within reach to either side of each ping."""
     line = tow_line_at(scene, pings[:, None])
     away = np.linspace(-scene.sonar.range, scene.sonar.range, ACROSS_SWATH)
@@ -102,7 +100,7 @@ def _is_over_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bo
     return np.asarray(np.isfinite(heights).any(axis=1))
 
 
-def _across(scene: Scene, targets: tuple[int, ...], half_width: float) -> Pings:
+def _across(scene: Scene, targets: tuple[int, ...], half_width: float) -> Integers:
     """Pings in which the axis of the beam meets each target, one of two planes or one of four."""
     if not targets:
         return np.zeros(0, dtype=np.int64)
@@ -132,7 +130,7 @@ def _nearest_ping(scene: Scene, number: int) -> tuple[float, int]:
         stride = 1
 
 
-def _miss(scene: Scene, number: int, pings: Pings) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _miss(scene: Scene, number: int, pings: Integers) -> tuple[Floats, Floats]:
     """Distance along the track between the beam's axis and a target, and that between sonar and target, m."""
     line = tow_line_at(scene, pings)
     dx, dy = (scene.targets[number].position[k] - column for k, column in enumerate((line.x, line.y)))

@@ -1,16 +1,15 @@
 """Waves with a given course in time that are not echoes: ringing after transmission and pings of another sonar."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Integers, Singles
 from insonify.kernels.common.streams import INTERFERENCE
 from insonify.kernels.receiver.foreign_pings import Timing, fill_foreign_pings
-from insonify.receiver.stage import ReceiverSetup, Record, Sound, Stage, power
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage, power
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,13 +19,13 @@ class OtherWaves(Stage):
     name, detail, rank = "other waves", "ringing and interference", 70.0
     adds_waves = True
     seed: int  # of the scene
-    ringing: Record | None  # (1, 1, columns) intensity of the ringing in every bin, or in every sample of a bin
+    ringing: Singles | None  # (1, 1, columns) intensity of the ringing in every bin, or in every sample of a bin
     interference: float  # intensity of the other sonar's pings, 0 where there is none
     timing: Timing  # when bins are received and when the other sonar pings
     columns: int  # bins, or samples of all bins
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> OtherWaves | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where neither is declared."""
         scene, arrays, samples = setup.scene, setup.arrays, setup.samples
         bin_time, columns = 2.0 * arrays.bin_length / arrays.water.reference / samples, arrays.bins * samples
@@ -56,7 +55,7 @@ class OtherWaves(Stage):
         for energy, turns in self._waves(sound.pings):
             sound.waves.add(energy, turns)
 
-    def _waves(self, pings: NDArray[np.int64]) -> Iterator[tuple[Record, Record]]:
+    def _waves(self, pings: Integers) -> Iterator[tuple[Singles, Singles]]:
         """Yield intensity and phase (turns) of each wave, (n or 1, 1, columns)."""
         if self.ringing is not None:
             yield self.ringing, np.zeros_like(self.ringing)

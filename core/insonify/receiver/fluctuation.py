@@ -1,17 +1,16 @@
 """Fluctuation of gain and travel time from ping to ping, as turbulent water causes it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.streams import PING_DELAY, PING_GAIN
 from insonify.kernels.receiver.pulse import delay_pings
 from insonify.kernels.speckle.random_fields import fill_slow_normals
-from insonify.receiver.stage import ReceiverSetup, Record, Sound, Stage
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage
 from insonify.receiver.waves import Waves
 
 # White noise smoothed by a triangle of half width 1 is correlated by the cubic B-spline, which is 1/e at this lag.
@@ -31,7 +30,7 @@ class Fluctuation(Stage):
     samples: int  # of a bin, where waves are summed
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Fluctuation | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where pings do not vary."""
         scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.fluctuation
         if declared is None:
@@ -58,19 +57,14 @@ class Fluctuation(Stage):
             sound.energy = _shift(sound.energy, late)
         else:
             sound.split_traced()
-            # Energies are interpolated, phases lie between those of neighbouring samples.
-            waves, late = sound.waves, self.samples * self.delay * normals
-            energy = _shift(waves.real**2 + waves.imaginary**2, late)
-            real, imaginary = _shift(waves.real, late), _shift(waves.imaginary, late)
-            amplitude = np.sqrt(energy / np.maximum(real**2 + imaginary**2, TINY))
-            sound.waves = Waves(amplitude * real, amplitude * imaginary)
+            sound.waves = _shift_waves(sound.waves, self.samples * self.delay * normals)
 
-    def gains(self, pings: NDArray[np.int64]) -> Record:
+    def gains(self, pings: Integers) -> Singles:
         """Lognormal factors of mean 1, (n, 1, 1)."""
         level = self.spread * self._slow_normals(pings, PING_GAIN)
         return np.exp(level - 0.5 * self.spread**2).astype(np.float32)[:, None, None]
 
-    def _slow_normals(self, pings: NDArray[np.int64], stream: int) -> NDArray[np.float64]:
+    def _slow_normals(self, pings: Integers, stream: int) -> Floats:
         """One number for each ping of a stationary normal process of mean 0 and variance 1."""
         out = np.empty(pings.size)
         spacing = 2 ** max(0, math.floor(math.log2(0.5 * self.half_width)))
@@ -78,14 +72,14 @@ class Fluctuation(Stage):
         return out
 
 
-def _shift(energy: Record, late: NDArray[np.float64]) -> Record:
+def _shift(energy: Singles, late: Floats) -> Singles:
     """Energies with every ping delayed by a number of bins, (n,)."""
     out = np.empty_like(energy)
     delay_pings(energy, late, out)
     return out
 
 
-def _shift_waves(waves: Waves, late: NDArray[np.float64]) -> Waves:
+def _shift_waves(waves: Waves, late: Floats) -> Waves:
     """Waves with every ping delayed: energies are interpolated, phases lie between those of neighbouring samples."""
     energy = _shift(waves.real**2 + waves.imaginary**2, late)
     real, imaginary = _shift(waves.real, late), _shift(waves.imaginary, late)

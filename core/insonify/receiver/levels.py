@@ -1,15 +1,15 @@
 """Stages that raise or add levels: source level, crosstalk, ambient noise and time-varied gain."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.water import absorption_coefficient
+from insonify.arrays import Floats
 from insonify.kernels.common.streams import REVERBERATION
-from insonify.receiver.stage import Curve, ReceiverSetup, Sound, Stage, power
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage, power
 from insonify.receiver.waves import WaveField
 from insonify.scene.receiver.gains import RangeBins
 
@@ -25,7 +25,7 @@ class SourceLevel(Stage):
     factor: float  # of intensity
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> SourceLevel | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None at 0 dB, where the record is relative to the source."""
         factor = power(setup.scene.receiver.source_level)
         return None if factor == 1.0 else cls(factor)
@@ -50,7 +50,7 @@ class Crosstalk(Stage):
     field: WaveField  # of the background that leaks with the echoes, of mean energy 1
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Crosstalk | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no level is declared."""
         level = setup.scene.receiver.crosstalk
         return None if level is None else cls(power(level), setup.field_of(REVERBERATION))
@@ -75,7 +75,7 @@ class Noise(Stage):
     bins: int
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Noise | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where there is no noise."""
         return cls(setup.noise, setup.arrays.bins) if setup.noise > 0.0 else None
 
@@ -97,16 +97,16 @@ class TimeVariedGain(Stage):
     """Gain of every bin after detection."""
 
     name, detail, rank = "time-varied gain", "of this bin", 90.0
-    curve: Curve  # (bins,) factors of intensity
+    curve: Floats  # (bins,) factors of intensity
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> TimeVariedGain | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no bin is raised or lowered."""
         curve = time_varied_gain(setup)
         return cls(curve) if (curve != 1.0).any() else None
 
     @property
-    def gain(self) -> Curve:
+    def gain(self) -> Floats:
         """Factor of every bin, (bins,)."""
         return self.curve
 
@@ -115,7 +115,7 @@ class TimeVariedGain(Stage):
         sound.energy = sound.energy * self.curve.astype(np.float32)
 
 
-def time_varied_gain(setup: ReceiverSetup) -> Curve:
+def time_varied_gain(setup: ReceiverSetup) -> Floats:
     """Factor of intensity by which the time-varied gain raises every bin, (bins,)."""
     scene, declared = setup.scene, setup.scene.receiver.tvg
     r = bin_centres(setup.arrays)

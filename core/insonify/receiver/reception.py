@@ -8,25 +8,14 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import Taps
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.streams import AMBIENT_NOISE
 from insonify.kernels.common.types import SceneArrays
 from insonify.parallel import in_parallel
 from insonify.receiver.speckle import Speckle
-from insonify.receiver.stage import (
-    DETECTION,
-    PHASES,
-    Curve,
-    ReceiverSetup,
-    Record,
-    Sound,
-    Stage,
-    Traced,
-    spread_echoes,
-    stage_kinds,
-)
+from insonify.receiver.stage import DETECTION, PHASES, ReceiverSetup, Sound, Stage, Traced, spread_echoes, stage_kinds
 from insonify.receiver.waves import WaveField, no_waves, steady_waves
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
@@ -71,20 +60,20 @@ class Reception:
         return 1 if speckle is None else speckle.looks
 
     @cached_property
-    def divided_by_shape(self) -> Curve | None:
+    def divided_by_shape(self) -> Floats | None:
         """Reflectivities, (materials, 3), of a second trace from which K speckle gets its shape in every bin."""
         speckle = self.find(Speckle)
         return None if speckle is None else speckle.divided_by_shape
 
     @cached_property
-    def gain(self) -> Curve:
+    def gain(self) -> Floats:
         """Factor by which all stages raise a mean echo, (bins,)."""
         gain = np.ones(self.bins)
         for stage in self.stages:
             gain = gain * stage.gain
         return gain
 
-    def expected(self, echo: Curve) -> Curve:
+    def expected(self, echo: Floats) -> Floats:
         """Mean record of a uniform bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
         mean = echo * self.taps.weights.sum()
         for stage in self.stages:
@@ -116,12 +105,8 @@ def assemble(setup: ReceiverSetup) -> Reception:
 
 
 def record_echoes(
-    reception: Reception,
-    traced: Traced,
-    pings: NDArray[np.int64],
-    divided: Traced | None = None,
-    out: Record | None = None,
-) -> Record:
+    reception: Reception, traced: Traced, pings: Integers, divided: Traced | None = None, out: Singles | None = None
+) -> Singles:
     """Turn traced echoes into a record; ``divided`` is the trace with ``reception.divided_by_shape``, if it has one."""
     if out is not None:
         record = out
@@ -142,7 +127,7 @@ def record_echoes(
     return record
 
 
-def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None = None) -> Record:
+def receive(reception: Reception, traced: Traced, pings: Integers, divided: Traced | None = None) -> Singles:
     """Turn the traced echoes of a block of pings into its record."""
     stages, sums_waves = reception.stages, reception.sums_waves
     sound = _take_in(reception, traced, pings, divided)
@@ -164,7 +149,7 @@ def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divi
     return sound.energy
 
 
-def _take_in(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Sound:
+def _take_in(reception: Reception, traced: Traced, pings: Integers, divided: Traced | None) -> Sound:
     """Sound of traced echoes after the pulse."""
     weighted = None if divided is None else spread_echoes(reception.taps, divided)
     waves = np.asarray(traced, np.complex128) if reception.coherent and reception.sums_waves else None
@@ -177,7 +162,7 @@ def _take_in(reception: Reception, traced: Traced, pings: NDArray[np.int64], div
     return Sound(pings, energy, weighted, reception.phased, reception.sums_waves, waves)
 
 
-def _detect_waves(reception: Reception, sound: Sound) -> Record:
+def _detect_waves(reception: Reception, sound: Sound) -> Singles:
     """Energy of the sum of all waves that are received, averaged over the looks, (n, 2, bins)."""
     record = np.zeros((sound.pings.size, 2, reception.bins), np.float32)
     background, traced = sound.background, sound.waves if reception.coherent else None

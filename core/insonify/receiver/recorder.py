@@ -1,13 +1,12 @@
 """Amplifier and converter of the recorder: gains, full scale, bits, lost pings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.kernels.common.streams import DROPPED_PINGS
 from insonify.kernels.receiver.foreign_pings import fill_uniform
 from insonify.receiver.levels import SMALLEST, time_varied_gain
@@ -23,16 +22,16 @@ class Recording(Stage):
 
     name, detail, rank = "recorder", "gain, full scale and rounding", 100.0
     seed: int  # of the scene
-    times: NDArray[np.float64]  # (k,) from which the gains apply, in seconds after the first ping
-    gains: NDArray[np.float64]  # (k,) factors of intensity
-    sides: NDArray[np.float64]  # (2,) factors of intensity of port and starboard
+    times: Floats  # (k,) from which the gains apply, in seconds after the first ping
+    gains: Floats  # (k,) factors of intensity
+    sides: Floats  # (2,) factors of intensity of port and starboard
     full_scale: float  # greatest intensity that is recorded
     step: float  # step of the recorded amplitudes; 0 where nothing is rounded
     dropped: float  # share of the pings that are lost
     ping_rate: float  # pings per second
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Recording | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None for a recorder that changes nothing."""
         scene, declared = setup.scene, setup.scene.receiver.recorder
         if declared == Recorder():

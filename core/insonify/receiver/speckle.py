@@ -1,19 +1,18 @@
 """Speckle: Rayleigh for many scatterers in a cell, K where their density varies, or of single traced scatterers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import coherent_taps, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, coherence_angle
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.streams import SPECKLE, TEXTURE
 from insonify.kernels.speckle.random_fields import transform_distribution
-from insonify.receiver.stage import PHASES, Curve, ReceiverSetup, Record, Sound, Stage
+from insonify.receiver.stage import PHASES, ReceiverSetup, Sound, Stage
 from insonify.receiver.waves import WaveField, make_field
 
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
@@ -28,11 +27,9 @@ class BedTexture:
 
     field: WaveField  # exponential numbers, correlated over the overlap of resolution cells
     shape: float  # ν of the gamma distribution in a cell of the reference size
-    growth: NDArray[np.float64]  # (bins,) size of the resolution cells over the reference size
+    growth: Floats  # (bins,) size of the resolution cells over the reference size
 
-    def strengths(
-        self, pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None = None
-    ) -> NDArray[np.float32]:
+    def strengths(self, pings: Integers, inverse_shape: Singles | None = None) -> Singles:
         """Gamma numbers of mean 1 and variance 1/ν, (n, 2, bins), for the 1/ν of each bin or the receiver's own ν."""
         strengths = self.field.energies(pings)
         shape = self.shape if inverse_shape is None else 1.0 / np.maximum(inverse_shape, 1.0 / LARGEST_SHAPE)
@@ -59,10 +56,10 @@ class Speckle(Stage):
     looks: int  # independent records averaged
     texture: BedTexture | None  # present for K speckle
     # (materials, 3) reflectivities over the shape of each material's K speckle; None where one shape holds for all.
-    divided_by_shape: Curve | None
+    divided_by_shape: Floats | None
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> Speckle | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where no speckle is declared, or scatterers are traced one by one."""
         scene, arrays, declared = setup.scene, setup.arrays, setup.scene.receiver.speckle
         if not declared.speckled or declared.interferes:
@@ -103,7 +100,7 @@ class Speckle(Stage):
         """Add the waves of the echoes."""
         self.field.add_to(sound.waves, sound.energy, sound.pings, sound.look)
 
-    def factors(self, pings: NDArray[np.int64], inverse_shape: Record | None = None) -> Record:
+    def factors(self, pings: Integers, inverse_shape: Singles | None = None) -> Singles:
         """Factors of mean 1, (n, 2, bins), with the 1/ν of each bin or the receiver's own ν."""
         factors = self.field.energies(pings, self.looks)
         return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
@@ -117,7 +114,7 @@ class CoherentSpeckle(Stage):
     phased = coherent = True
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> CoherentSpeckle | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where scatterers are not traced one by one."""
         return cls() if setup.scene.receiver.speckle.interferes else None
 
@@ -130,7 +127,7 @@ class CoherentSpeckle(Stage):
 
 
 @lru_cache(maxsize=1)
-def shape_table() -> NDArray[np.float32]:
+def shape_table() -> Singles:
     """Table from exponential numbers E to gamma numbers T of the same quantile, both of mean 1."""
     from scipy import special  # lazy: takes longer to import than a preview takes to trace
 

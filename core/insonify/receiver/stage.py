@@ -1,21 +1,19 @@
 """Stages of the receiver: the base class, what they are prepared from, and the sound that they act on."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import directivity
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin, spread_curve
 from insonify.acoustics.resolution_cell import bin_centres, vertical_at
+from insonify.arrays import Complexes, Floats, Integers, Singles
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.plugins import extensions
@@ -25,9 +23,7 @@ from insonify.scene.receiver.noises import NoiseConditions
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.terrain import AnyGround
 
-Record = NDArray[np.float32]
-Traced = NDArray[np.float32] | NDArray[np.complex128]
-Curve = NDArray[np.float64]
+Traced = Singles | Complexes
 
 PHASES, DETECTION = 40.0, 80.0  # ranks: echoes have phases from the first on, and are energies again from the second on
 
@@ -66,7 +62,7 @@ class ReceiverSetup:
         return samples_per_bin(self.scene.sonar.pulse, self.arrays.water.reference, self.arrays.bin_length)
 
     @cached_property
-    def level_bed(self) -> Curve:
+    def level_bed(self) -> Floats:
         """Mean echo of a level bed of albedo 1 after the pulse, with the source level, (bins,)."""
         return self.source * float(self.taps.weights.sum()) * flat_bed_curve(self.arrays, self.altitude)
 
@@ -81,13 +77,13 @@ class ReceiverSetup:
         return directivity(self.scene.sonar, self.arrays.water.reference)
 
     @cached_property
-    def mean_bed(self) -> Curve:
+    def mean_bed(self) -> Floats:
         """Mean echo of a level bed of the scene's materials, spread by the pulse, with the source level, (bins,)."""
         curve = sum(share * flat_bed_curve(self.arrays, self.altitude, row) for row, share in self.materials)
         return self.source * spread_curve(curve * vertical_at(self.arrays, -self.grazing), self.taps)
 
     @property
-    def grazing(self) -> Curve:
+    def grazing(self) -> Floats:
         """Angle of rays below the horizontal to a level bed, (bins,); straight down before its first echo."""
         return np.arcsin(np.minimum(self.altitude / bin_centres(self.arrays), 1.0))
 
@@ -141,25 +137,25 @@ class Sound:
     Stages replace arrays of energies, and never change their elements, which may be those of the tracer.
     """
 
-    pings: NDArray[np.int64]  # (n,) numbers of the pings
+    pings: Integers  # (n,) numbers of the pings
     # (n, 2, bins) mean energy of the echoes, port first; after detection the intensity of the record. ``factors`` still
     # apply.
-    energy: Record
+    energy: Singles
     # The same with the echo of every material divided by the shape of its K speckle; None if one shape holds for all.
-    weighted: Record | None = None
+    weighted: Singles | None = None
     phased: bool = False  # whether echoes are speckled
     sums_waves: bool = False  # whether speckled echoes meet other waves, so that amplitudes add
     # (n, 2, bins * samples) echoes of single scatterers, if these are traced with their phases.
-    traced: NDArray[np.complex128] | None = None
+    traced: Complexes | None = None
     # (n or 1, 1 or 2, bins) mean energy of Gaussian waves that are new in every ping and not added to ``waves`` yet.
-    background: Record | None = None
+    background: Singles | None = None
     # Amplitudes of all that is received, between speckle and detection.
     waves: Waves = field(default_factory=lambda: no_waves(0, 0))
     look: int = 0  # number of the independent record that is summed
     # Factors, (n or 1, 1, 1) or numbers, that are still to be applied to ``energy`` and ``background``.
-    factors: list[Record | np.float32] = field(default_factory=list)
+    factors: list[Singles | np.float32] = field(default_factory=list)
 
-    def scale(self, factor: Record | np.float32) -> None:
+    def scale(self, factor: Singles | np.float32) -> None:
         """Raise the energy of each ping by a factor, (n or 1, 1, 1) or a number."""
         if not self.waves.real.size:
             self.factors.append(factor)
@@ -176,9 +172,9 @@ class Sound:
             self.background = None if self.background is None else self.background * factor
         self.factors.clear()
 
-    def take_level(self) -> Record | np.float32:
+    def take_level(self) -> Singles | np.float32:
         """Product of the factors, which count as applied to all that is received so far."""
-        level: Record | np.float32 = np.float32(1.0)
+        level: Singles | np.float32 = np.float32(1.0)
         for factor in self.factors:
             level = level * factor
         self.factors.clear()
@@ -192,7 +188,7 @@ class Sound:
             self.waves = split_waves(self.traced * np.sqrt(self.take_level()))
             self.traced = None
 
-    def add_background(self, energy: Record) -> None:
+    def add_background(self, energy: Singles) -> None:
         """Add Gaussian waves of a mean energy, (n or 1, 1 or 2, bins), that are new in every ping."""
         self.background = energy if self.background is None else self.background + energy
 
@@ -247,7 +243,7 @@ class Stage(ABC):
             KINDS.append(cls)
 
     @property
-    def gain(self) -> float | Curve:
+    def gain(self) -> float | Floats:
         """Factor by which it raises a mean echo, a number or one for every bin, (bins,)."""
         return 1.0
 
@@ -258,7 +254,7 @@ class Stage(ABC):
 
     @classmethod
     @abstractmethod
-    def prepare(cls, setup: ReceiverSetup) -> Stage | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """Prepare the stage for a scene.
 
         Parameters
@@ -304,7 +300,7 @@ def stage_kinds() -> list[type[Stage]]:
     return sorted(KINDS, key=lambda kind: kind.rank)
 
 
-def spread_echoes(taps: Taps, traced: Traced) -> Record:
+def spread_echoes(taps: Taps, traced: Traced) -> Singles:
     """Spread echoes over range bins by the taps of the pulse; for an ideal pulse they are returned as they are."""
     echoes = np.asarray(traced, np.float32)
     if taps.weights.size == 1:

@@ -1,18 +1,17 @@
 """Water column: reverberation of water and surface, and schools and plumes, which differ from ping to ping."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import Taps
 from insonify.acoustics.resolution_cell import surface_echo, volume_echo
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.rays.volumes import EchoPoints, add_volume_echoes
-from insonify.receiver.stage import Curve, ReceiverSetup, Record, Sound, Stage, power, spread_echoes
+from insonify.receiver.stage import ReceiverSetup, Sound, Stage, power, spread_echoes
 from insonify.scene.volumes import Volume
 from insonify.terrain import AnyGround
 from insonify.tow.poses import make_poses
@@ -25,17 +24,17 @@ class VolumeEchoes:
     """Echoes of schools and plumes for a pulse of one bin."""
 
     arrays: SceneArrays  # beam, bins and range factors
-    poses: Callable[[NDArray[np.int64]], Poses]  # from ping numbers to poses of the sonar
+    poses: Callable[[Integers], Poses]  # from ping numbers to poses of the sonar
     points: tuple[EchoPoints, ...]  # points by which each volume is sampled
 
-    def energy(self, pings: NDArray[np.int64]) -> Record:
+    def energy(self, pings: Integers) -> Singles:
         """Mean energy of all volumes, (n, 2, bins)."""
         out, poses = np.zeros((pings.size, 2, self.arrays.bins), np.float32), self.poses(pings)
         for points in self.points:
             add_volume_echoes(self.arrays, poses, points, out)
         return out
 
-    def energies(self, poses: Poses) -> Record:
+    def energies(self, poses: Poses) -> Singles:
         """Mean energy of each volume, (volumes, n, 2, bins)."""
         out = np.zeros((len(self.points), poses.x.size, 2, self.arrays.bins), np.float32)
         for points, own in zip(self.points, out):
@@ -49,12 +48,12 @@ class WaterColumn(Stage):
 
     name, detail, rank = "water column", "reverberation, schools and plumes", 20.0
     adds_waves = True
-    reverberation: Curve  # (bins,) mean intensity of volume and surface reverberation after the pulse
+    reverberation: Floats  # (bins,) mean intensity of volume and surface reverberation after the pulse
     taps: Taps  # of the pulse
     volumes: VolumeEchoes | None
 
     @classmethod
-    def prepare(cls, setup: ReceiverSetup) -> WaterColumn | None:
+    def prepare(cls, setup: ReceiverSetup) -> Self | None:
         """None where nothing but the bed and targets echoes."""
         scene, ground, volumes = setup.scene, setup.ground, None
         if scene.volumes and ground is not None:
@@ -75,7 +74,7 @@ class WaterColumn(Stage):
             sound.energy = sound.energy + echoes
 
 
-def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Curve]]:
+def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Floats]]:
     """Yield name, strength (dB) and mean intensity for a pulse of one bin, (bins,), of each declared reverberation."""
     declared = setup.scene.receiver.reverberation
     if declared.of_volume is not None:
@@ -86,7 +85,7 @@ def reverberation_curves(setup: ReceiverSetup) -> Iterator[tuple[str, float, Cur
         yield "surface reverberation", declared.of_surface, echo
 
 
-def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:
+def _echo_points(place: Floats, strength: float) -> EchoPoints:
     """Points of one volume in groups, with the cross section of each."""
     groups = _groups(place)
     corners = np.array([(group.min(axis=0), group.max(axis=0)) for group in groups]).reshape(-1, 2, 3)
@@ -99,7 +98,7 @@ def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:
     )
 
 
-def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def _groups(place: Floats) -> list[Floats]:
     """Points in groups of neighbours, halved along their longest side, so that a beam skips most of them."""
     if len(place) <= MOST_POINTS:
         return [place] if len(place) else []
@@ -107,13 +106,13 @@ def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     return [*_groups(ordered[: len(place) // 2]), *_groups(ordered[len(place) // 2 :])]
 
 
-def _in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
+def _in_water(volume: Volume, ground: AnyGround) -> tuple[Floats, float]:
     """Points of a volume that lie in the water, above the datum, and the cross section of each, in m²."""
     points, each = volume.sample()
     return points_in_water(points, ground), power(volume.strength) * each
 
 
-def points_in_water(points: NDArray[np.float64], ground: AnyGround) -> NDArray[np.float64]:
+def points_in_water(points: Floats, ground: AnyGround) -> Floats:
     """Return those of n points, z up from the sea surface, that lie in the water, with z up from the datum."""
     place = points - np.array([0.0, 0.0, ground.datum])
     below_bed = place[:, 2] < ground.height_at(place[:, 0], place[:, 1])  # NaN, where there is no bed, compares false

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Reals, Singles
 from insonify.kernels.speckle.random_fields import (
     add_detected,
     add_filtered_energy,
@@ -13,8 +14,6 @@ from insonify.kernels.speckle.random_fields import (
     fill_white_noise,
     smooth_noise,
 )
-
-Record = NDArray[np.float32]
 
 # ∫|ρ|² of white noise smoothed by a triangle of half width 1: its correlation ρ is the cubic B-spline.
 TRIANGLE_INTERVAL = 151.0 / 140.0
@@ -26,10 +25,10 @@ NARROWEST_TRIANGLE = 0.5  # pings
 class Waves:
     """Complex amplitudes; their squared moduli are intensities."""
 
-    real: Record  # (n, 2, bins * samples) of pings, port and starboard; changed in place
-    imaginary: Record
+    real: Singles  # (n, 2, bins * samples) of pings, port and starboard; changed in place
+    imaginary: Singles
 
-    def add(self, energy: Record, turns: Record) -> None:
+    def add(self, energy: Singles, turns: Singles) -> None:
         """Add waves of given energies and phases (turns), (n or 1, 2 or 1, columns)."""
         amplitude, phase = np.sqrt(energy), np.float32(2.0 * np.pi) * turns
         np.add(self.real, amplitude * np.cos(phase), out=self.real)
@@ -40,7 +39,7 @@ class Waves:
         for part in (self.real, self.imaginary):
             part += np.float32(np.sqrt(share)) * part[:, ::-1]
 
-    def detect_into(self, record: Record, share: float = 1.0) -> None:
+    def detect_into(self, record: Singles, share: float = 1.0) -> None:
         """Add a share of the energy of every bin, the mean over its samples, to a record (n, 2, bins)."""
         add_detected(self.real, self.imaginary, self.real.shape[2] // record.shape[2], np.float32(share), record)
 
@@ -50,7 +49,7 @@ def no_waves(pings: int, columns: int) -> Waves:
     return Waves(*np.zeros((2, pings, 2, columns), np.float32))
 
 
-def steady_waves(energy: Record) -> Waves:
+def steady_waves(energy: Singles) -> Waves:
     """Waves of given energies, all of one phase."""
     return Waves(np.sqrt(energy), np.zeros_like(energy))
 
@@ -66,12 +65,12 @@ class WaveField:
 
     seed: int  # seed and stream of the hash; further looks take the following streams
     stream: int
-    taps: NDArray[np.float32]  # (m,) weights of the noise of a bin and of the bins before it; their squares sum to 1
+    taps: Singles  # (m,) weights of the noise of a bin and of the bins before it; their squares sum to 1
     # (m - 1 + bins,) half width of the triangle that smooths the noise along the track, in pings, of every bin,
     # starting m - 1 bins before the first.
-    half_width: NDArray[np.float64]
+    half_width: Floats
 
-    def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
+    def energies(self, pings: Integers, looks: int = 1) -> Singles:
         """Mean of the energies of ``looks`` independent fields, exponential numbers each, (n, 2, bins)."""
         bins = self.half_width.size - self.taps.size + 1
         out = np.zeros((pings.size, 2, bins), np.float32)
@@ -79,12 +78,12 @@ class WaveField:
             add_filtered_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
         return out
 
-    def add_to(self, waves: Waves, energy: NDArray[np.floating], pings: NDArray[np.int64], look: int = 0) -> None:
+    def add_to(self, waves: Waves, energy: Reals, pings: Integers, look: int = 0) -> None:
         """Add the field of one look, with the given mean energy, (n or 1, 2 or 1, bins)."""
         mean = np.ascontiguousarray(energy, dtype=np.float32)
         add_filtered_waves(*self._noise(pings, self.stream + look), self.taps, mean, waves.real, waves.imaginary)
 
-    def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def _noise(self, pings: Integers, stream: int) -> tuple[Singles, Singles]:
         """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
         columns = self.half_width.size
         if self.half_width.max() <= SINGLE_PING:
@@ -107,9 +106,7 @@ class WaveField:
             smooth_noise(pings, spacing, nodes, row, per_bin, band.start, white, (real, imaginary))
         return real, imaginary
 
-    def _white(
-        self, nodes: NDArray[np.int64], spacing: int, band: slice, stream: int
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def _white(self, nodes: Integers, spacing: int, band: slice, stream: int) -> tuple[Singles, Singles]:
         """White noise at nodes in a run of columns, (nodes, 2, columns) each part."""
         real, imaginary = np.empty((2, nodes.size, 2, band.stop - band.start), np.float32)
         first = band.start - self.taps.size + 1
@@ -117,7 +114,7 @@ class WaveField:
         return real, imaginary
 
 
-def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> WaveField:
+def make_field(seed: int, stream: int, taps: Floats, interval: Floats) -> WaveField:
     """Random field with a given correlation along range and along the track."""
     wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST_TRIANGLE)
     early = np.full(taps.size - 1, wide[0])

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.tracers.labels import NOTHING, PATHS
 
@@ -35,10 +36,10 @@ class TargetTruth(NamedTuple):
     target_box: NDArray[np.int32]
     # (targets, 2) slant range in metres from the first bin of the shadow to its last, both included, of the ping
     # in which it is longest; 0 without a shadow.
-    shadow_length: NDArray[np.float64]
+    shadow_length: Floats
     # (targets,) in dB re 1 m², of the ping and side with its strongest echo; NaN without an echo, and by
     # law `light`, which has no areas.
-    target_strength: NDArray[np.float64]
+    target_strength: Floats
 
 
 def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_ping: int) -> TargetTruth:
@@ -100,7 +101,7 @@ def _join_boxes(one: NDArray[np.int32], other: NDArray[np.int32]) -> NDArray[np.
     return joined
 
 
-def _longest_rows(owner: NDArray[np.int16], boxes: NDArray[np.int32], first_ping: int) -> NDArray[np.float64]:
+def _longest_rows(owner: NDArray[np.int16], boxes: NDArray[np.int32], first_ping: int) -> Floats:
     """Bins from the first to the last of each target in the ping in which that is most, (targets, 2)."""
     longest = np.zeros(boxes.shape[:2])
     for target, side in np.argwhere(boxes[..., 0] != NONE):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
+from insonify.arrays import Integers
 from insonify.compiler.build import own_build
 from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
@@ -25,7 +26,7 @@ Columns = dict[str, NDArray[Any]]
 def make_block(
     scene: Scene,
     ground: AnyGround,
-    pings: NDArray[np.int64],
+    pings: Integers,
     poses: Poses,
     columns: Columns,
     truth: TargetTruth | None,

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from insonify.arrays import Floats
+
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 RADII = (1, 3)  # pixels, of local binary patterns
 POINTS = 8  # on the circle of a pattern

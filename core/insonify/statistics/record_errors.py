@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
+from insonify.arrays import Reals
 from insonify.kernels.common.types import Poses, SceneArrays
 
 SSIM_COLUMNS = 7
@@ -35,14 +35,7 @@ class RecordErrors:
     dark_leakage: float  # share of the energy of a in bins where b is 0
 
 
-def compute_errors(
-    a: NDArray[np.floating],
-    b: NDArray[np.floating],
-    curve: NDArray[np.floating],
-    *,
-    first_bin: int,
-    beyond_bin: int,
-) -> RecordErrors:
+def compute_errors(a: Reals, b: Reals, curve: Reals, *, first_bin: int, beyond_bin: int) -> RecordErrors:
     """Compute the errors of a record against its reference, given the flat-bed curve."""
     level = np.broadcast_to(np.asarray(curve, dtype=np.float64), np.shape(b))[..., first_bin:]
     scale = np.divide(1.0, level, out=np.zeros_like(level), where=level > 0.0)
@@ -59,9 +52,7 @@ def compute_errors(
     )
 
 
-def compare_records(
-    arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
-) -> RecordErrors:
+def compare_records(arrays: SceneArrays, poses: Poses, a: Reals, b: Reals) -> RecordErrors:
     """Compute the errors of a record of some poses against its reference, by the flat-bed curve of each ping."""
     return compute_errors(
         a,
@@ -86,13 +77,7 @@ class ErrorParts(NamedTuple):
     targets: float  # of bins that targets brighten
 
 
-def split_error(
-    arrays: SceneArrays,
-    poses: Poses,
-    a: NDArray[np.floating],
-    b: NDArray[np.floating],
-    bare: NDArray[np.floating],
-) -> ErrorParts:
+def split_error(arrays: SceneArrays, poses: Poses, a: Reals, b: Reals, bare: Reals) -> ErrorParts:
     """Split the error beyond 1.4 times the altitude of a record against its reference, given that without targets."""
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
     one, other, without = (each[..., beyond:] for each in _over_flat_bed(arrays, poses, a, b, bare))
@@ -102,14 +87,14 @@ def split_error(
     return ErrorParts(*(_ratio(float(np.linalg.norm((one - other)[part])), whole) for part in parts))
 
 
-def _over_flat_bed(arrays: SceneArrays, poses: Poses, *records: NDArray[np.floating]) -> list[NDArray[np.floating]]:
+def _over_flat_bed(arrays: SceneArrays, poses: Poses, *records: Reals) -> list[Reals]:
     """Divide records by the flat-bed curve of each ping."""
     curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(records[0]))
     scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
     return [record * scale for record in records]
 
 
-def measure_similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
+def measure_similarity(a: Reals, b: Reals) -> float:
     """Structural similarity (SSIM) of two pictures of records along the range; 1 for equal pictures."""
     # lazy: slow to import
     from skimage.metrics import structural_similarity
@@ -134,9 +119,7 @@ class Displacement:
     lost: int = 0  # echoes that stand out in the reference and are missing in the record; they have no distance
 
 
-def measure_displacement(
-    arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
-) -> Displacement:
+def measure_displacement(arrays: SceneArrays, poses: Poses, a: Reals, b: Reals) -> Displacement:
     """Measure how far a record displaces the shadows and echoes of its reference."""
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
     sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in _over_flat_bed(arrays, poses, a, b)]
@@ -147,7 +130,7 @@ def measure_displacement(
     return Displacement(float(edge), float(echo), len(echoes) - len(found))
 
 
-def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+def find_edge_shifts(a: Reals, b: Reals) -> list[float]:
     """Bins by which a record displaces the edges of its reference's shadows."""
     # A shadow is a run of at least `SHADOW_BINS` bins darker than `DARK` times the median of the bins with an echo. Its
     # edge is where a record, from the middle of the shadow outwards, first rises to half of the reference's level just
@@ -171,7 +154,7 @@ def find_edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[f
     return shifts
 
 
-def _rise(levels: NDArray[np.floating], threshold: float) -> float:
+def _rise(levels: Reals, threshold: float) -> float:
     """Fractional index at which levels first reach a threshold, interpolated linearly; the last index if never."""
     reached = np.flatnonzero(levels >= threshold)
     if reached.size == 0:
@@ -180,7 +163,7 @@ def _rise(levels: NDArray[np.floating], threshold: float) -> float:
     return k - (levels[k] - threshold) / (levels[k] - levels[k - 1]) if k > 0 else 0.0
 
 
-def find_echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+def find_echo_shifts(a: Reals, b: Reals) -> list[float]:
     """Bins by which a record displaces the echoes that stand out in its reference."""
     # An echo stands out where the reference exceeds `LOUD` times the median of the bins with an echo and is the maximum
     # within `WINDOW` bins. That window slides along the record by up to `MAX_LAG` bins to the maximum of the normalised

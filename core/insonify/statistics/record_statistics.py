@@ -12,6 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES
+from insonify.arrays import Booleans, Floats, Reals, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError
@@ -38,9 +39,9 @@ LEAST_SPAN = 16.0  # cycles per period between the lowest and the highest freque
 class AmplitudeSpectrum(NamedTuple):
     """Power spectrum of the relative amplitude in one direction."""
 
-    frequency: NDArray[np.float64]  # (63,) cycles per metre, without zero and the highest
+    frequency: Floats  # (63,) cycles per metre, without zero and the highest
     # (63,) one-sided density in metres: its integral over frequency is the variance of amplitude over mean.
-    power: NDArray[np.float64]
+    power: Floats
 
     def slope(self) -> float:
         """Fit the exponent p of power ~ frequency^p below half the highest frequency."""
@@ -53,8 +54,8 @@ class RecordStatistics(NamedTuple):
     """Statistics of a record."""
 
     # (patches,) coefficient of variation of the amplitude in each even patch; 0.523 for fully developed speckle.
-    variation: NDArray[np.float64]
-    amplitude: NDArray[np.float32]  # (patches, 256) amplitudes in those patches, over the mean of each
+    variation: Floats
+    amplitude: Singles  # (patches, 256) amplitudes in those patches, over the mean of each
     along: AmplitudeSpectrum  # along the track and across it; the latter in slant range
     across: AmplitudeSpectrum
     shadow_depth: float  # median level of shadows, in dB below the record's own median; NaN where there are none
@@ -113,7 +114,7 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
     return RecordStatistics(relative.std(axis=1), relative, along, across, *_measure_shadows(amplitude, bed, limit))
 
 
-def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _even_patches(amplitude: Singles, bed: Booleans) -> Floats:
     """Choose the most even patches by the means of their quarters: without targets, shadows or slopes."""
     patches, whole = _tiles(amplitude, (PATCH, PATCH)), _tiles(bed, (PATCH, PATCH)).all(axis=(1, 2))
     patches = patches[whole & (patches.mean(axis=(1, 2)) > 0.0)].astype(np.float64)
@@ -123,7 +124,7 @@ def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDA
     return patches[np.argsort(unevenness, kind="stable")[: int(np.ceil(EVENEST * len(patches)))]]
 
 
-def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: float) -> AmplitudeSpectrum | None:
+def _spectrum(amplitude: Singles, bed: Booleans, step: float) -> AmplitudeSpectrum | None:
     """Median of the periodograms, detrended and under a Hann window, of all segments of bed along the last axis."""
     if amplitude.shape[-1] < SEGMENT or not step > 0.0:
         return None
@@ -141,7 +142,7 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
     return AmplitudeSpectrum(np.arange(1, SEGMENT // 2) / (SEGMENT * step), median)
 
 
-def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def _periodograms(segments: Floats, step: float) -> Floats:
     """Power per frequency of segments less their linear trends and under a Hann window; the middle ones count twice."""
     # The same as `scipy.signal.periodogram`; importing that would take 0.3 s and 40 MB.
     count = segments.shape[-1]
@@ -152,7 +153,7 @@ def _periodograms(segments: NDArray[np.float64], step: float) -> NDArray[np.floa
     return np.asarray(2.0 * step * np.abs(np.fft.rfft(window * level)) ** 2 / (window @ window))
 
 
-def _amplitude_step(intensity: NDArray[np.float32]) -> float:
+def _amplitude_step(intensity: Singles) -> float:
     """Step of the amplitudes of a record in bits, all multiples of it; 0 for any other record."""
     amplitude = np.sqrt(intensity[intensity > 0.0].astype(np.float64))
     if amplitude.size == 0:
@@ -162,9 +163,7 @@ def _amplitude_step(intensity: NDArray[np.float32]) -> float:
     return step if np.abs(multiples - np.rint(multiples)).max() < OFF_STEP else 0.0
 
 
-def _measure_shadows(
-    amplitude: NDArray[np.float32], bed: NDArray[np.bool_], limit: NDArray[np.float64]
-) -> tuple[float, bool]:
+def _measure_shadows(amplitude: Singles, bed: Booleans, limit: Floats) -> tuple[float, bool]:
     """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves."""
     # The darkest blocks at neighbouring ranges give the noise floor there, since nothing but noise is in a shadow.
     # Where it lies farther below the bed's median than the bed's own levels spread, blocks nearer the floor than the
@@ -186,7 +185,7 @@ def _measure_shadows(
     return float(-np.median(decibels[dark])), bool((level <= least)[dark].mean() > 0.5)
 
 
-def _shadowed(decibels: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _shadowed(decibels: Floats) -> Booleans:
     """Which of the levels of one band are nearer its noise floor than its median."""
     low, median = np.percentile(decibels, [16.0, 50.0])
     floor = np.median(np.sort(decibels)[: max(int(DARKEST * decibels.size), 1)])
@@ -209,7 +208,7 @@ def measure_ping_spacing(record: xr.Dataset) -> float:
     return float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0
 
 
-def amplitude_exponent(heights: NDArray[np.floating]) -> float:
+def amplitude_exponent(heights: Reals) -> float:
     """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood."""
     from scipy.optimize import minimize_scalar
 

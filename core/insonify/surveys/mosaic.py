@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats, Integers, Reals, Singles
 from insonify.display.picture import load_palette
 from insonify.io.bathymetry import LEVELS, Grid
 from insonify.io.bathymetry.rasters import read_raster
 from insonify.io.file_access import FileFault, guarded
 from insonify.io.geotiff import write_geotiff, write_kmz
-from insonify.kernels.display.swath_cells import SwathLines, add_samples
+from insonify.kernels.display.swath_cells import add_samples
 from insonify.scene import SceneError
 from insonify.surveys import OVERLAPS
 from insonify.surveys.swath import Swath
@@ -37,7 +38,7 @@ class Mosaic:
 
     # (rows, columns) dB relative to the median of its record at that slant range; NaN where nothing was
     # insonified; northernmost row first.
-    level: NDArray[np.float32]
+    level: Singles
     corner: tuple[float, float]  # (float, float) easting and northing of the upper left corner, in metres
     cell: float  # side of a cell, in metres
     count: NDArray[np.uint16]  # (rows, columns) records that have a sample in the cell
@@ -47,16 +48,16 @@ class _Layer(NamedTuple):
     """What one record has in the cells of the part of a mosaic that it reaches."""
 
     part: tuple[slice, slice]  # rows and columns of the mosaic
-    mean: NDArray[np.float64]  # energy; NaN where no sample lies
-    distance: NDArray[np.float64]  # mean ground range, in metres
+    mean: Floats  # energy; NaN where no sample lies
+    distance: Floats  # mean ground range, in metres
     gap: float  # ground range up to which the bed is seen steeply and squeezed, in metres
 
 
 class _Extent(NamedTuple):
     """Rectangle of cells, in whole multiples of the cell on the map."""
 
-    low: NDArray[np.int64]  # (2,) column and row of the lower left cell
-    high: NDArray[np.int64]  # (2,) beyond the last column and row
+    low: Integers  # (2,) column and row of the lower left cell
+    high: Integers  # (2,) beyond the last column and row
 
 
 def choose_cell(finest: float) -> float:
@@ -111,7 +112,7 @@ def read_levels(path: Path) -> Grid:
     return grid
 
 
-def colour_levels(level: NDArray[np.floating]) -> NDArray[np.uint8]:
+def colour_levels(level: Reals) -> Bytes:
     """Colour levels: (rows, columns, 4) red, green, blue and opacity, which is 0 where there is none."""
     low, high = np.nanpercentile(level, PICTURED)
     tone = np.nan_to_num(np.clip((level - low) / max(high - low, 1e-9), 0.0, 1.0))
@@ -119,7 +120,7 @@ def colour_levels(level: NDArray[np.floating]) -> NDArray[np.uint8]:
     return np.dstack([colours, np.where(np.isnan(level), 0, 255)]).astype(np.uint8)
 
 
-def _extent(points: NDArray[np.float64], cell: float) -> _Extent:
+def _extent(points: Floats, cell: float) -> _Extent:
     """Cells that hold points of the map, (n, 2)."""
     low, high = np.floor(points.min(axis=0) / cell), np.floor(points.max(axis=0) / cell) + 1.0
     return _Extent(low.astype(np.int64), high.astype(np.int64))
@@ -132,8 +133,7 @@ def _lay(swath: Swath, whole: _Extent, cell: float) -> _Layer:
     energy, ground_range = np.zeros((rows, columns)), np.zeros((rows, columns))
     count = np.zeros((rows, columns), dtype=np.int64)
     longest = max(FARTHEST_GAP * swath.spacing, 2.0 * cell)
-    lines = SwathLines(swath.nadir, swath.ends, swath.reach, swath.altitude, swath.amplitude, swath.bin_length)
-    add_samples(lines, own.low * cell, cell, longest, energy, ground_range, count)
+    add_samples(swath, own.low * cell, cell, longest, energy, ground_range, count)
     left, bottom = own.low - whole.low
     counts = np.where(count > 0, count, np.nan)
     return _Layer(
@@ -144,9 +144,7 @@ def _lay(swath: Swath, whole: _Extent, cell: float) -> _Layer:
     )
 
 
-def _combine(
-    layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]
-) -> tuple[NDArray[np.float64], NDArray[np.uint16]]:
+def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.uint16]]:
     """Energy of every cell by the rule of overlaps, NaN where no record has a sample; number of records that have."""
     whole, counts, nearest = np.full(shape, np.nan), np.zeros(shape, np.uint16), np.full(shape, np.inf)
     for part, mean, distance, gap in layers:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Bytes
 from insonify.scene.base import Family, Kind, parameter
 
 STORAGES = Family("storages")
@@ -25,7 +26,7 @@ class Tile:
     """A tile of a record, ready to be stored."""
 
     image: Pixels  # (pings, bins) grey levels
-    mask: NDArray[np.uint8]  # (pings, bins) class of every bin
+    mask: Bytes  # (pings, bins) class of every bin
     # Description: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
     told: dict[str, Any]
     # Suffix and content of files of annotations, by their folder beside that of the images.

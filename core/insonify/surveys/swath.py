@@ -1,14 +1,11 @@
 """Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Floats, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
@@ -16,21 +13,17 @@ from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_
 from insonify.scene import SceneError
 from insonify.surveys import ALTITUDES
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
 
 
-@dataclass(frozen=True, eq=False)
-class Swath:
+class Swath(NamedTuple):
     """The pings of a record as lines on the map, from below the sonar to the farthest ground range."""
 
-    nadir: NDArray[np.float64]  # (pings, 2) easting and northing below the sonar, in metres
-    ends: NDArray[np.float64]  # (pings, 2, 2) of the far ends of both sides, port first
+    nadir: Floats  # (pings, 2) easting and northing below the sonar, in metres
+    ends: Floats  # (pings, 2, 2) of the far ends of both sides, port first
     reach: float  # ground range of the far ends, in metres
-    altitude: NDArray[np.float64]  # (pings,) in metres
-    amplitude: NDArray[np.float32]  # (pings, 2, bins) relative to the median of the record at that slant range
+    altitude: Floats  # (pings,) in metres
+    amplitude: Singles  # (pings, 2, bins) relative to the median of the record at that slant range
     bin_length: float  # in metres of slant range
 
     @property
@@ -40,13 +33,13 @@ class Swath:
         return float(np.median(steps)) if steps.size else 0.0
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Floats:
         """Lower left and upper right corner of the rectangle that holds the swath, (2, 2)."""
         points = np.concatenate([self.nadir, self.ends.reshape(-1, 2)])
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
+def choose_map(name: str, record: Dataset, crs: str | None) -> str:
     """Return the coordinate reference system of a mosaic: as given, else the UTM zone of a record's first ping."""
     place = find_georeference(record.attrs)
     if place is None or not place.crs:
@@ -59,7 +52,7 @@ def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
     return utm_zone(float(longitude), float(latitude))
 
 
-def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
+def lay_swath(name: str, record: Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
     """Lay the swath of a record on the map."""
     heights = _altitudes(name, record, altitude)
     record = record.assign(platform_altitude=("ping_time", heights))
@@ -80,7 +73,7 @@ def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES
     return Swath(mapped[0], np.stack(mapped[1:], axis=1), reach, heights, amplitude, bin_length)
 
 
-def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float64]:
+def _altitudes(name: str, record: Dataset, altitude: str) -> Floats:
     if altitude == ALTITUDES[0]:
         found = find_altitude(record)
     elif BOTTOM_TRACK in record:
@@ -92,7 +85,7 @@ def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float
     return found
 
 
-def _headings(record: xr.Dataset) -> NDArray[np.float64]:
+def _headings(record: Dataset) -> Floats:
     """Headings in degrees counter-clockwise from +x; the course over ground without a compass."""
     heading = record["platform_heading"].values
     if np.isfinite(heading).all():
@@ -102,9 +95,7 @@ def _headings(record: xr.Dataset) -> NDArray[np.float64]:
     return np.where(np.isfinite(heading), heading, np.degrees(np.arctan2(steps[1], steps[0])))
 
 
-def put_on_map(
-    name: str, place: Georeference | None, crs: str, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def put_on_map(name: str, place: Georeference | None, crs: str, x: Floats, y: Floats) -> Floats:
     """Transform positions of a record to the map."""
     if place is None:
         if crs:

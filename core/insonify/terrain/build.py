@@ -3,9 +3,9 @@
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
+from insonify.arrays import Floats, Singles
 from insonify.errors import located
 from insonify.io.bathymetry import LARGEST_SIDE
 from insonify.io.georeference import Georeference
@@ -29,7 +29,7 @@ FEWEST_CELLS = 3  # of a period, so that it contains a wave below the Nyquist fr
 
 Pits = tuple[Pit, ...]
 # Heights above the datum, their lattice, and the datum.
-_GridHeights = tuple[NDArray[np.float32], Lattice, float]
+_GridHeights = tuple[Singles, Lattice, float]
 # A map of materials, the version of its file, the period of the relief, the spacing, the seed and the map coordinates.
 _EndlessMap = tuple[MaterialMap, tuple[int, int] | None, float, float, int, Georeference | None]
 
@@ -96,7 +96,7 @@ def _endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int,
     """Heights of endless ground with the pits around its targets."""
     heights = endless_heights(parts, spacing, seed)
 
-    def pitted(nodes: Nodes) -> NDArray[np.float64]:
+    def pitted(nodes: Nodes) -> Floats:
         x = spacing * (nodes.column + np.arange(nodes.columns, dtype=np.float64))
         y = spacing * (nodes.row + np.arange(nodes.rows, dtype=np.float64))[:, None]
         return np.asarray(sum((pit.heights(x, y) for pit in pits), heights(nodes)))
@@ -104,12 +104,12 @@ def _endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int,
     return pitted if pits else heights
 
 
-def _dig(heights: NDArray[np.float32], lattice: Lattice, pits: Pits) -> NDArray[np.float32]:
+def _dig(heights: Singles, lattice: Lattice, pits: Pits) -> Singles:
     """Heights with the pits around targets, which a periodic bed repeats."""
     if not pits:
         return heights
     x, y = (first + lattice.spacing * np.arange(n) for first, n in zip((lattice.x0, lattice.y0), heights.shape[::-1]))
-    change: NDArray[np.float64] = np.zeros(heights.shape)
+    change: Floats = np.zeros(heights.shape)
     for pit in pits:
         away = [x - pit.x, y - pit.y]
         if lattice.periodic:
@@ -150,7 +150,7 @@ def _heights(scene: Scene) -> _GridHeights:
 
 
 @keep_arrays
-def _kept_period(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
+def _kept_period(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[Singles, Lattice]:
     period = parts[0].period
     cells = cells_of_period(period, spacing)
     shape = (cells, cells)

@@ -23,19 +23,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.array_cache import keep_arrays
+from insonify.arrays import Complexes, Floats, Reals
 from insonify.kernels.common.hashing import FIRST_MULTIPLIER, GOLDEN, SECOND_MULTIPLIER, SHIFTS, splitmix64
 from insonify.kernels.common.streams import RELIEF_BAND
 from insonify.parallel import PerThread
 from insonify.scene.seabed.reliefs.spectrum import Band, Density
 
-Field = NDArray[np.float64]
 Bits = NDArray[np.uint64]
 HALF = np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
 UNIT = np.float32(2.0**-32)
 TINY = np.float32(2.0**-33)  # keeps a logarithm finite
 STRIP = 64  # rows at a time, which stay in the processor's cache
-ComplexField = NDArray[np.complex128]
 TILE = 512  # nodes along a side of a tile, on every lattice
 PART = 128  # nodes along a side of the smallest cached part of a tile
 FAST = 32  # nodes of which the side of a block is a multiple, for fast transforms
@@ -49,8 +48,8 @@ KAISER = 9.0  # shape of its window: images are 90 dB down
 
 
 def lattice_noise(
-    seed: int, stream: int, spacing: float, rows: range, columns: range, out: Field | None = None
-) -> Field:
+    seed: int, stream: int, spacing: float, rows: range, columns: range, out: Floats | None = None
+) -> Floats:
     """White Gaussian noise of unit variance on a rectangle of an endless lattice."""
     key = splitmix64(splitmix64(splitmix64(np.uint64(seed)) ^ np.uint64(stream)) ^ np.float64(spacing).view(np.uint64))
     keys = _mixed(np.uint64(key) ^ np.array(rows, dtype=np.int64).view(np.uint64))
@@ -63,7 +62,7 @@ def lattice_noise(
     return noise
 
 
-def _draw(keys: Bits, pairs: Bits, noise: Field) -> None:
+def _draw(keys: Bits, pairs: Bits, noise: Floats) -> None:
     """Set some rows of noise from the keys of the rows and the numbers of the pairs."""
     bits = _mixed(keys[:, np.newaxis] ^ pairs)
     modulus = np.sqrt(np.float32(-2.0) * np.log((bits >> HALF).astype(np.float32) * UNIT + TINY))
@@ -134,14 +133,14 @@ class EndlessField:
         """Expected variance of the field on its nodes."""
         return self._top.variance + sum(pyramids[0].variance for pyramids in self._modulated)
 
-    def values(self, nodes: Nodes) -> Field:
+    def values(self, nodes: Nodes) -> Floats:
         """Values on some nodes."""
         total = self.complex_values(nodes).real
         if self._top.variance > FAINT * self.variance:
             total = total + self._top.values(nodes)
         return total
 
-    def complex_values(self, nodes: Nodes) -> ComplexField:
+    def complex_values(self, nodes: Nodes) -> Complexes:
         """Analytic signal on some nodes (imaginary part: Hilbert transform), without the finest lattice."""
         total = np.zeros(nodes.shape, dtype=np.complex128)
         for band, pyramids in zip(self._bands, self._modulated):
@@ -156,7 +155,7 @@ class EndlessField:
             total += (real + 1j * imaginary) * (along[:, np.newaxis] * across)
         return total
 
-    def _above(self, fx: Field, fy: Field) -> Field:
+    def _above(self, fx: Floats, fy: Floats) -> Floats:
         """Density of the part on the finest lattice."""
         total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
         for band in self._bands:
@@ -180,11 +179,11 @@ class _Pyramid:
         """Expected variance."""
         return sum(lattice.variance for lattice in self._lattices.values())
 
-    def doubled(self, nodes: Nodes) -> Field:
+    def doubled(self, nodes: Nodes) -> Floats:
         """Values of the whole pyramid, interpolated onto nodes of the finest lattice."""
         return self._from_coarser(0, nodes, keep=nodes.is_tile)
 
-    def _region(self, level: int, nodes: Nodes, *, keep: bool) -> Field:
+    def _region(self, level: int, nodes: Nodes, *, keep: bool) -> Floats:
         """Sum of the lattices from a level on, on nodes of that level."""
         lattice = self._lattices.get(level)
         if lattice is None or lattice.variance <= FAINT * self.variance:
@@ -201,7 +200,7 @@ class _Pyramid:
             own = lattice.values(nodes)
         return own + self._from_coarser(level, nodes, keep=keep) if level < self._last else own
 
-    def _from_coarser(self, level: int, nodes: Nodes, *, keep: bool) -> Field:
+    def _from_coarser(self, level: int, nodes: Nodes, *, keep: bool) -> Floats:
         """Sum of the lattices coarser than a level, interpolated onto its nodes."""
         low = tuple(place // 2 for place in nodes.first)
         counts = tuple((place + count + 1) // 2 - begin for place, count, begin in zip(nodes.first, nodes.shape, low))
@@ -226,7 +225,7 @@ class _Filter:
         self._kernel[taps // 2], self._kernel[:, taps // 2] = 0.0, 0.0
         self.variance = float((self._kernel**2).sum())
 
-    def transfer(self, shape: tuple[int, int]) -> NDArray[np.floating]:
+    def transfer(self, shape: tuple[int, int]) -> Reals:
         """Transform of the filter over a block of nodes and the taps around them; real because the filter is even."""
         half = self.taps // 2
         block = np.zeros((shape[0] + self.taps, shape[1] + self.taps))
@@ -235,7 +234,7 @@ class _Filter:
 
 
 @keep_arrays
-def _kept_transfer(kernel: _Filter) -> NDArray[np.floating]:
+def _kept_transfer(kernel: _Filter) -> Reals:
     return kernel.transfer((TILE, TILE))
 
 
@@ -252,7 +251,7 @@ class _Lattice:
         self._filter, self._seed, self._stream = kernel, seed, stream
         self.variance = kernel.variance
 
-    def values(self, nodes: Nodes) -> Field:
+    def values(self, nodes: Nodes) -> Floats:
         """Filter the noise of some nodes by overlap-save, without the margin that wraps around."""
         if nodes.is_tile:
             return self._filtered(nodes, _kept_transfer(self._filter))
@@ -262,13 +261,13 @@ class _Lattice:
         wider = Nodes(nodes.row, nodes.column - lead, rows, columns)
         return self._filtered(wider, self._filter.transfer(wider.shape))[: nodes.rows, lead : lead + nodes.columns]
 
-    def part(self, side: int, row: int, column: int) -> NDArray[np.floating]:
+    def part(self, side: int, row: int, column: int) -> Reals:
         """Square of some nodes a side (a divisor of `TILE`), in the precision of the cache."""
         (tile_row, j), (tile_column, i) = divmod(row * side, TILE), divmod(column * side, TILE)
         tile = self.values(Nodes.of_tile(tile_row, tile_column))
         return tile[j : j + side, i : i + side].astype(KEPT)
 
-    def _filtered(self, nodes: Nodes, transfer: NDArray[np.floating]) -> Field:
+    def _filtered(self, nodes: Nodes, transfer: Reals) -> Floats:
         taps, margin = self._filter.taps, self._filter.taps // 2
         sides = tuple(count + taps for count in nodes.shape)
         rows, columns = (range(first - margin, first - margin + side) for first, side in zip(nodes.first, sides))
@@ -325,7 +324,7 @@ def split_nodes(first: int, count: int, side: int) -> list[Piece]:
     ]
 
 
-def _interpolate(coarse: Field) -> Field:
+def _interpolate(coarse: Floats) -> Floats:
     """Field of half the spacing along the first axis, without `HALF_BAND` nodes at either end."""
     count = len(coarse) - 2 * HALF_BAND
     fine = np.empty((2 * count, coarse.shape[1]))
@@ -354,7 +353,7 @@ def _crossing(spacing: float, level: int) -> float:
     return 0.5 * HIGHEST * 0.5 / (spacing * 2.0 ** (level + 1))
 
 
-def _above(frequency: Field, crossing: float) -> Field:
+def _above(frequency: Floats, crossing: float) -> Floats:
     """Share of the power above a crossing."""
     octave = np.log2(np.maximum(frequency, 1e-300) / crossing)
     return np.asarray(np.sin(0.5 * math.pi * np.clip(octave, 0.0, 1.0)) ** 2)
@@ -363,7 +362,7 @@ def _above(frequency: Field, crossing: float) -> Field:
 def _between(density: Density, share: float, low: float, high: float) -> Density:
     """Part of a density between two crossings, or below the higher where the lower is 0."""
 
-    def band(fx: Field, fy: Field) -> Field:
+    def band(fx: Floats, fy: Floats) -> Floats:
         frequency = np.hypot(fx, fy)
         part = share * density(fx, fy) * (1.0 - _above(frequency, high))
         return np.asarray(part * _above(frequency, low) if low > 0.0 else part)

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.array_cache import ARRAYS, keep_arrays
+from insonify.arrays import Bytes, Floats, Integers, Singles
 from insonify.parallel import in_parallel
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.terrain.endless_field import FAST, TILE, Nodes, Piece, split_nodes
 from insonify.terrain.ground import Ground, bilinear, resolves_cells
 
-Column = NDArray[np.float64]
 Corner = tuple[float, float]
 Tiles = Callable[[int, int], NDArray[Any]]
-_Places = NDArray[np.int64]
+_Places = Integers
 
 FARTHEST = 2**31  # tiles along an axis, farther than any tow
 SQUARE = 64  # nodes along a side of a square; a tile contains a whole number of squares
@@ -32,8 +32,8 @@ class StoredWindow(NamedTuple):
 
     row: int  # as numbered by `EndlessGround.cell`
     column: int
-    heights: NDArray[np.float32]  # (n, n) as `EndlessGround.window` returns them for the same reach
-    materials: NDArray[np.uint8]  # (n, n)
+    heights: Singles  # (n, n) as `EndlessGround.window` returns them for the same reach
+    materials: Bytes  # (n, n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class EndlessGround:
         """Key that two grounds share if their windows have the same bed."""
         return self.heights, self.materials, self.spacing, len(self.reflectivities)
 
-    def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
+    def cell(self, x: Floats, y: Floats) -> Integers:
         """Row and column of the window that contains each point, (n, 2)."""
         side = TILE * self.spacing
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
@@ -75,9 +75,7 @@ class EndlessGround:
         _complete(materials, self.materials, square, known)
         return self.part(heights, materials, 0.0, 0.0, periodic=True)
 
-    def part(
-        self, heights: NDArray[np.float32], materials: NDArray[np.uint8], x0: float, y0: float, *, periodic: bool
-    ) -> Ground:
+    def part(self, heights: Singles, materials: Bytes, x0: float, y0: float, *, periodic: bool) -> Ground:
         """Ground with given arrays of heights and materials, and the other properties of this one."""
         return Ground(heights, materials, self.names, self.reflectivities, x0, y0, self.spacing, periodic, self.datum)
 
@@ -93,19 +91,19 @@ class EndlessGround:
         heights, materials, squares = (_thinned(tiles, every) for tiles in (self.heights, self.materials, self.squares))
         return replace(self, heights=heights, materials=materials, squares=squares, spacing=every * self.spacing)
 
-    def height_at(self, x: Column, y: Column) -> Column:
+    def height_at(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum, NaN where float64 cannot resolve cells."""
         return self._interpolated(x, y, lambda j, i: _gathered(j, i, TILE, lambda tile: self.heights(*tile)))
 
-    def height_at_once(self, x: Column, y: Column) -> Column:
+    def height_at_once(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height as in `height_at`, but from squares, which are faster, where the tile is not cached."""
         return self._interpolated(x, y, self._at_once)
 
-    def height_near(self, x: Column, y: Column) -> Column:
+    def height_near(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum, the same as `height_at` because there is ground everywhere."""
         return self.height_at(x, y)
 
-    def _interpolated(self, x: Column, y: Column, at: Callable[[_Places, _Places], Column]) -> Column:
+    def _interpolated(self, x: Floats, y: Floats, at: Callable[[_Places, _Places], Floats]) -> Floats:
         """Bilinear interpolation of the heights that a function of rows and columns of nodes returns."""
         u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
         resolved = resolves_cells(u, v)
@@ -113,7 +111,7 @@ class EndlessGround:
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
         return np.where(resolved, bilinear(lambda k, m: at(j + k, i + m), u - i, v - j), np.nan)
 
-    def _at_once(self, row: _Places, column: _Places) -> Column:
+    def _at_once(self, row: _Places, column: _Places) -> Floats:
         """Heights of nodes, from squares where the tile is not cached."""
         heights = _gathered(row, column, TILE, lambda tile: ARRAYS.find(self.heights, *tile))
         missing = np.isnan(heights)
@@ -142,7 +140,7 @@ class EndlessExcerpt(EndlessGround):
         """Key of the bed: the rectangle."""
         return self.rectangle
 
-    def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
+    def cell(self, x: Floats, y: Floats) -> Integers:
         """Row and column of the only window, (n, 2)."""
         return np.zeros((np.size(x), 2), np.int64)
 
@@ -168,22 +166,22 @@ class EndlessExcerpt(EndlessGround):
 
         return replace(thin, make=make, rectangle=self.rectangle.thinned(every))
 
-    def height_at(self, x: Column, y: Column) -> Column:
+    def height_at(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum; from tiles outside the rectangle."""
         return self._completed(x, y, super().height_at)
 
-    def height_at_once(self, x: Column, y: Column) -> Column:
+    def height_at_once(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height as in `height_at`; from squares outside the rectangle."""
         return self._completed(x, y, super().height_at_once)
 
-    def _completed(self, x: Column, y: Column, outside: Callable[[Column, Column], Column]) -> Column:
+    def _completed(self, x: Floats, y: Floats, outside: Callable[[Floats, Floats], Floats]) -> Floats:
         heights = self.rectangle.height_at(x, y)
         missing = np.isnan(heights)
         if missing.any():
             heights[missing] = outside(np.asarray(x)[missing], np.asarray(y)[missing])
         return heights
 
-    def height_near(self, x: Column, y: Column) -> Column:
+    def height_near(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum; that of the nearest edge outside the rectangle."""
         return self.rectangle.height_near(x, y)
 
@@ -193,7 +191,7 @@ AnyGround = Ground | EndlessGround
 
 def _gathered(
     row: _Places, column: _Places, side: int, make: Callable[[tuple[int, int]], NDArray[Any] | None]
-) -> Column:
+) -> Floats:
     """Values of nodes from squares of some nodes a side; NaN where there is no square."""
     values = np.full(row.shape, np.nan)
     down, across = row // side, column // side

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes, Floats, Singles
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 
 FARTHEST = 2.0**52  # cells; beyond, float64 cannot resolve integers
@@ -20,8 +21,8 @@ class Ground:
     """Heights and materials of a bed."""
 
     # (ny, nx) metres above the datum, NaN where there is no bed; axis 0 is y, axis 1 is x, both increasing.
-    heights: NDArray[np.float32]
-    materials: NDArray[np.uint8]  # (ny, nx) row of ``reflectivities`` of the cell with its low corner at the node
+    heights: Singles
+    materials: Bytes  # (ny, nx) row of ``reflectivities`` of the cell with its low corner at the node
     names: tuple[str, ...]  # names of the materials
     reflectivities: tuple[Reflectivity, ...]  # scattering parameters of the materials
     x0: float  # local coordinates of node (0, 0), in metres
@@ -47,16 +48,16 @@ class Ground:
             spacing=every * self.spacing,
         )
 
-    def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height_at(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum, NaN where there is no bed or float64 cannot resolve cells."""
         return self._interpolated(*self._in_cells(x, y))
 
-    def _in_cells(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def _in_cells(self, x: Floats, y: Floats) -> tuple[Floats, ...]:
         """Coordinates in cells from the first node."""
         u = (np.asarray(x, dtype=np.float64) - self.x0) / self.spacing
         return u, (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
 
-    def _interpolated(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _interpolated(self, u: Floats, v: Floats) -> Floats:
         ny, nx = self.heights.shape
         inside = resolves_cells(u, v)
         if not self.periodic:
@@ -72,11 +73,11 @@ class Ground:
         z = self.heights
         return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], u - i, v - j), np.nan)
 
-    def height_at_once(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height_at_once(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height, the same as `height_at` because the whole bed is stored."""
         return self.height_at(x, y)
 
-    def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height_near(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum; outside the bed that of the nearest bed."""
         u, v = self._in_cells(x, y)
         if not self.periodic:
@@ -97,7 +98,7 @@ class Ground:
         return replace(self, heights=self.heights[rows, columns])
 
 
-def resolves_cells(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.bool_]:
+def resolves_cells(u: Floats, v: Floats) -> Booleans:
     """Whether float64 resolves cells at coordinates in cells from the first node."""
     return (np.abs(u) < FARTHEST) & (np.abs(v) < FARTHEST)
 

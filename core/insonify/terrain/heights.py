@@ -1,11 +1,10 @@
 """Heights of a seabed as arrays and as a picture."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Floats
 from insonify.scene import Scene, SceneError
 from insonify.scene.seabed import Seabed
-from insonify.scene.seabed.reliefs.spectrum import Field
 from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period, sample_heights
 from insonify.terrain.endless_field import Nodes, gather_tiles
 from insonify.terrain.endless_ground import EndlessGround
@@ -14,7 +13,7 @@ from insonify.terrain.random_heights import endless_heights, periodic_heights
 SHOWN = 1024  # nodes along a side of the picture of endless ground
 
 
-def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
+def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Floats:
     """Heights of a seabed above its mean.
 
     Parameters
@@ -55,7 +54,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     return np.asarray(heights - np.nanmean(heights)) if seabed.relief.measured else heights
 
 
-def relief_picture(scene: Scene) -> NDArray[np.uint8]:
+def relief_picture(scene: Scene) -> Bytes:
     """Heights of the bed of a scene as grey levels."""
     ground = build_ground(scene)
     if isinstance(ground, EndlessGround):

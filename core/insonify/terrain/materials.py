@@ -7,8 +7,8 @@ from functools import lru_cache
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.errors import located
 from insonify.io.georeference import Georeference
 from insonify.kernels.bed.voronoi import voronoi_materials
@@ -36,7 +36,7 @@ class Lattice:
         """Extent along x and y in metres, the periods of a periodic bed."""
         return self.shape[1] * self.spacing, self.shape[0] * self.spacing
 
-    def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def centres(self) -> tuple[Floats, Floats]:
         """Local x and y of the centres of the cells, (nx,) and (ny,), in metres."""
         ny, nx = self.shape
         x = self.x0 + (np.arange(nx, dtype=np.float64) + 0.5) * self.spacing

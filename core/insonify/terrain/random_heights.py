@@ -9,19 +9,20 @@ from statistics import NormalDist
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
 from insonify.scene.seabed.masks import PatchMask
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, RandomRelief, density_waves
-from insonify.scene.seabed.reliefs.spectrum import LONGEST_WAVES, Band, Field, row_groups
+from insonify.scene.seabed.reliefs.spectrum import LONGEST_WAVES, Band, row_groups
 from insonify.terrain.endless_field import EndlessField, Nodes
 from insonify.terrain.periodic_waves import GridShape, WaveGrid
 
-Heights = Callable[[Nodes], Field]
+Heights = Callable[[Nodes], Floats]
 
 
-def periodic_heights(parts: tuple[RandomRelief, ...], shape: GridShape, reference: GridShape, seed: int) -> Field:
+def periodic_heights(parts: tuple[RandomRelief, ...], shape: GridShape, reference: GridShape, seed: int) -> Floats:
     """Heights of one period of the sum of several reliefs."""
-    total: Field | None = None
+    total: Floats | None = None
     for number, part in enumerate(parts):
         heights = unmasked_heights(part, shape, reference, seed, RELIEF + RELIEF_PART * number)
         if part.mask is not None:
@@ -33,13 +34,13 @@ def periodic_heights(parts: tuple[RandomRelief, ...], shape: GridShape, referenc
 
 def unmasked_heights(
     relief: RandomRelief, shape: GridShape, reference: GridShape, seed: int, stream: int = RELIEF
-) -> Field:
+) -> Floats:
     """Heights of one period of one relief, without its mask."""
     waves = WaveGrid(shape, seed, stream)
     return relief.heights(waves, waves if shape == reference else WaveGrid(reference, seed, stream))
 
 
-def _periodic_mask(mask: PatchMask, period: float, grid: WaveGrid) -> Field:
+def _periodic_mask(mask: PatchMask, period: float, grid: WaveGrid) -> Floats:
     """Weight of a mask on its relief, 0 to 1."""
     waves = density_waves(mask.density(LONGEST_WAVES / period), period, grid)
     level = math.sqrt(grid.variance(waves))
@@ -74,7 +75,7 @@ def _unmasked(relief: ExtendableRelief, field: EndlessField) -> Heights:
     if relief.shaped:
         level = math.sqrt(2.0 * field.variance)
 
-        def shaped(nodes: Nodes) -> Field:
+        def shaped(nodes: Nodes) -> Floats:
             wave = field.complex_values(nodes)
             return relief.shape_waves(wave.real, wave.imag, level)
 

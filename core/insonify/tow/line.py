@@ -5,15 +5,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Reals
 from insonify.io.georeference import Georeference, convergence, project
 from insonify.io.navigation import RecordedNavigation
 from insonify.scene import Scene, SceneError
 from insonify.scene.targets.shape import exact_cos
 from insonify.scene.track import Track
 
-Column = NDArray[np.float64]
 STRAIGHT = 1e-30  # rad/m, below which a turn is a straight line
 ANGLES = ("heading", "pitch", "roll")
 
@@ -21,12 +20,12 @@ ANGLES = ("heading", "pitch", "roll")
 class TowLine(NamedTuple):
     """Positions and headings along the line of a tow."""
 
-    x: Column  # local coordinates in metres
-    y: Column
-    heading: Column  # radians counter-clockwise from +x
+    x: Floats  # local coordinates in metres
+    y: Floats
+    heading: Floats  # radians counter-clockwise from +x
 
 
-def tow_line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> TowLine:
+def tow_line_at(scene: Scene, pings: Reals | Integers) -> TowLine:
     """Positions along the line of a tow, without the motion of the fish about it."""
     track = scene.track
     line = _follow_turns(track, np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate))
@@ -37,16 +36,16 @@ def tow_line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
 class _Pieces(NamedTuple):
     """Successive arcs; each begins where the last one ends."""
 
-    begin: Column  # (k,) metres along the line
-    x: Column
-    y: Column
-    heading: Column  # degrees
-    curvature: Column  # rad/m, to port
-    cos: Column  # of the heading, exact on the axes
-    sin: Column
+    begin: Floats  # (k,) metres along the line
+    x: Floats
+    y: Floats
+    heading: Floats  # degrees
+    curvature: Floats  # rad/m, to port
+    cos: Floats  # of the heading, exact on the axes
+    sin: Floats
 
 
-def _follow_turns(track: Track, along: Column) -> TowLine:
+def _follow_turns(track: Track, along: Floats) -> TowLine:
     """Positions at given distances along a line with turns, in metres."""
     pieces = _pieces(track)
     at = np.maximum(np.searchsorted(pieces.begin, along, side="right") - 1, 0)
@@ -87,14 +86,14 @@ def _pieces(track: Track) -> _Pieces:
     return _Pieces(*columns, *np.array(cosines))
 
 
-def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> dict[str, Column]:
+def recorded_at(scene: Scene, pings: Reals | Integers) -> dict[str, Floats]:
     """Interpolate the recorded position and attitude of the fish at pings; the first row is the first ping."""
     track = scene.track
     recordings = [recording for motion in track.motions if (recording := motion.recording()) is not None]
     if not recordings:
         return {}
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
-    known: dict[str, Column] = {}
+    known: dict[str, Floats] = {}
     for path, unplaced in recordings:
         tow = unplaced if unplaced.place is None else _on_the_map(unplaced, scene.georeference)
         both = sorted(known.keys() & tow.columns.keys())
@@ -116,7 +115,7 @@ def _on_the_map(tow: RecordedNavigation, place: Georeference | None) -> Recorded
     return RecordedNavigation(tow.time, columns, place)
 
 
-def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column]:
+def _at(tow: RecordedNavigation, time: Floats, speed: float) -> dict[str, Floats]:
     known = {
         name: np.interp(time, tow.time, np.radians(np.unwrap(values, period=360.0)) if name in ANGLES else values)
         for name, values in tow.columns.items()
@@ -128,7 +127,7 @@ def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column
     return known
 
 
-def _reject_conflicting_settings(track: Track, known: dict[str, Column]) -> None:
+def _reject_conflicting_settings(track: Track, known: dict[str, Floats]) -> None:
     if "x" in known and any(motion.turning is not None for motion in track.motions):
         raise SceneError(
             "track.motion.of: a turn has no effect when the recorded track gives x and y; leave one of them out"

@@ -4,8 +4,8 @@ import math
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.kernels.common.types import Poses
 from insonify.scene import Scene, SceneError
 from insonify.scene.track.motions import Axis
@@ -23,7 +23,7 @@ def sonar_height(scene: Scene, ground: AnyGround) -> float:
     return -scene.track.depth - ground.datum if scene.track.depth is not None else scene.altitude
 
 
-def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Poses:
+def make_poses(scene: Scene, ground: AnyGround, pings: Integers) -> Poses:
     """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line."""
     line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
@@ -38,12 +38,12 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     )
 
 
-def take_poses(poses: Poses, places: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Poses:
+def take_poses(poses: Poses, places: Integers | Booleans | slice) -> Poses:
     """Return some of the poses, by a slice, a mask or their places."""
     return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
 
 
-def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def bed_beneath(scene: Scene, ground: AnyGround, pings: Integers) -> Floats:
     """Smoothed height of the bed under the line, which a fish can follow: a mean over one altitude to either side."""
     share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
     # The altitude of a tow at a given depth over a measured bed follows from the bed's heights alone.
@@ -54,7 +54,7 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     return np.concatenate([ground.height_near(line.x, line.y) @ _raised_cosine() for line in lines])
 
 
-def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: Integers) -> Floats:
     """Smoothed height of the bed under the line, interpolated between knots; a picture needs no more."""
     # The knots, at which it is that of `bed_beneath`, are an eighth of an altitude apart: the smoothing makes that
     # dense enough.
@@ -69,7 +69,7 @@ def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.i
     return knots[stretch, before] * (1.0 - share) + knots[stretch, before + 1] * share
 
 
-def _knots_beneath(scene: Scene, ground: AnyGround, stretches: NDArray[np.int64], apart: float) -> NDArray[np.float64]:
+def _knots_beneath(scene: Scene, ground: AnyGround, stretches: Integers, apart: float) -> Floats:
     """Smoothed heights at the knots of stretches of the line, (n, STRETCH + 1); neighbours share samples of the bed."""
     # ``apart`` is the number of pings from a knot to the next.
     step = SAMPLES // KNOTS  # samples from a knot to the next
@@ -79,24 +79,24 @@ def _knots_beneath(scene: Scene, ground: AnyGround, stretches: NDArray[np.int64]
     return np.asarray(windows[:, ::step] @ _raised_cosine())
 
 
-def _raised_cosine() -> NDArray[np.float64]:
+def _raised_cosine() -> Floats:
     """Weights of the samples about a place, (2 `SAMPLES` - 1,)."""
     return (1.0 + np.cos(math.pi * np.arange(1 - SAMPLES, SAMPLES) / SAMPLES)) / (2.0 * SAMPLES)
 
 
-def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float64], ...]:
+def platform_columns(poses: Poses, ground: AnyGround) -> tuple[Floats, ...]:
     """Position, depth, altitude and attitude of the sonar as a record holds them, (pings,) each."""
     altitude = poses.z - ground.height_at(poses.x, poses.y)
     attitude = map(np.degrees, (poses.heading, poses.pitch, poses.roll))
     return poses.x, poses.y, -(poses.z + ground.datum), altitude, *attitude
 
 
-def find_pings_in_bed(ground: AnyGround, poses: Poses) -> NDArray[np.bool_]:
+def find_pings_in_bed(ground: AnyGround, poses: Poses) -> Booleans:
     """Whether the sonar is below the bed at each pose; not where there is no bed."""
     return np.asarray(poses.z < ground.height_at_once(poses.x, poses.y))
 
 
-def refuse_sonar_in_bed(scene: Scene, ground: AnyGround, pings: NDArray[np.int64], poses: Poses) -> None:
+def refuse_sonar_in_bed(scene: Scene, ground: AnyGround, pings: Integers, poses: Poses) -> None:
     """Raise if the sonar is below the bed at one of some pings."""
     inside = find_pings_in_bed(ground, poses)
     if inside.any():
@@ -124,7 +124,7 @@ def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
         )
 
 
-def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: Integers) -> Floats:
     """Heights of the sonar above the datum, without its heave."""
     known = recorded_at(scene, pings)
     if "depth" in known:
@@ -135,10 +135,10 @@ def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.in
     return height + bed_beneath(scene, ground, pings) if scene.track.terrain_following else height
 
 
-def _displacement(scene: Scene, pings: NDArray[np.int64]) -> dict[Axis, NDArray[np.float64]]:
+def _displacement(scene: Scene, pings: Integers) -> dict[Axis, Floats]:
     """Sum of all motions by the axis that they act on: metres ahead, to port and up, degrees of the angles."""
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
-    total: dict[Axis, NDArray[np.float64]] = {axis: np.zeros(time.shape) for axis in get_args(Axis)}
+    total: dict[Axis, Floats] = {axis: np.zeros(time.shape) for axis in get_args(Axis)}
     for motion in scene.track.motions:
         for axis, values in motion.displacement(time).items():
             total[axis] += values

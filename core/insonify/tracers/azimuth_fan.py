@@ -10,8 +10,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import highest_place
@@ -49,7 +49,7 @@ GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 def lay_planes(
     arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None, across: int = 0
-) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
+) -> list[tuple[Integers, AzimuthFan]]:
     """Lay the planes of a scene's beam, with as many across each target in the beam as are asked for."""
     laid = _lay_alike(arrays, poses, planes, laid_at)
     if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
@@ -69,7 +69,7 @@ def lay_planes(
 
 def _lay_alike(
     arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None, divided: bool = False
-) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
+) -> list[tuple[Integers, AzimuthFan]]:
     """Lay the planes of a scene's beam wherever targets are."""
     if planes == 1 and arrays.half_width > 0.0:
         return [(np.arange(poses.x.size), _whole_beam(arrays))]
@@ -99,14 +99,14 @@ def _lay_alike(
     return laid
 
 
-def _octave_steps(arrays: SceneArrays, z: NDArray[np.float64]) -> NDArray[np.float64]:
+def _octave_steps(arrays: SceneArrays, z: Floats) -> Floats:
     """Heights above the lowest bed, rounded up to steps of octaves."""
     return np.asarray(np.ceil(np.log2(np.maximum(z - arrays.bed.low, LOWEST)) * HEIGHTS_PER_OCTAVE))
 
 
 def lay_planes_of_images(
     arrays: SceneArrays, poses: Poses, planes: int, across: int = 0
-) -> list[tuple[NDArray[np.int64], AzimuthFan, AzimuthFan]]:
+) -> list[tuple[Integers, AzimuthFan, AzimuthFan]]:
     """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down."""
     laid = lay_planes(arrays, poses, planes, across=across)
     if not arrays.multipath.enabled:
@@ -177,7 +177,7 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
 
 
 def pattern_planes(
-    arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64], laid_at: float | None = None
+    arrays: SceneArrays, planes: int, height: float, pitches: Floats, laid_at: float | None = None
 ) -> AzimuthFan:
     """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by."""
     pattern = arrays.pattern
@@ -251,9 +251,7 @@ class _Cone:
     There s = cos p · sin φ · x/r − sin p · h/r.
     """
 
-    def __init__(
-        self, outline: _Outline, height: float, pitches: NDArray[np.float64], nearest: float = NEAREST
-    ) -> None:
+    def __init__(self, outline: _Outline, height: float, pitches: Floats, nearest: float = NEAREST) -> None:
         above_highest = max(height - outline.relief, 0.0)
         # The lowest of the heights that are rounded up to this one reaches farthest out.
         lowest = max(height * ROUNDED_DOWN - outline.highest, 0.0)

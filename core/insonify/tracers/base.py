@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Complexes, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import Model, PackedScene
@@ -18,8 +18,6 @@ from insonify.plugins import extensions
 from insonify.scene import Scene, SceneError
 from insonify.tow.poses import take_poses
 
-Record = NDArray[np.float32]
-Waves = NDArray[np.complex128]
 AUTO = "auto"  # the method of a plan that chooses the tracer itself
 _DECLARED: dict[str, type[Tracer]] = {}
 
@@ -42,10 +40,10 @@ class PreparedTracer(ABC):
         tracer that sums energies.
     """
 
-    trace_waves: Callable[..., Waves] | None = None
+    trace_waves: Callable[..., Complexes] | None = None
 
     @abstractmethod
-    def trace(self, arrays: SceneArrays, poses: Poses, *, threads: int | None = None, **settings: Any) -> Record:
+    def trace(self, arrays: SceneArrays, poses: Poses, *, threads: int | None = None, **settings: Any) -> Singles:
         """Trace pings.
 
         Parameters
@@ -192,11 +190,11 @@ def trace_blocks(
     )
 
 
-def empty_record(arrays: SceneArrays, poses: Poses) -> Record:
+def empty_record(arrays: SceneArrays, poses: Poses) -> Singles:
     """Record of zeros, (pings, 2, bins)."""
     return np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
 
 
-def new_record(arrays: SceneArrays, poses: Poses) -> Record:
+def new_record(arrays: SceneArrays, poses: Poses) -> Singles:
     """Record without values, (pings, 2, bins), for a tracer that sets every bin."""
     return np.empty((poses.x.size, 2, arrays.bins), dtype=np.float32)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.rays import list_rows
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins
@@ -27,9 +27,6 @@ from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
 
-Column = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-
 
 @dataclass(frozen=True, eq=False)
 class EchoParts:
@@ -39,40 +36,40 @@ class EchoParts:
     """
 
     # VISIBLE, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
-    state: Numbers
-    path: Numbers  # place of the propagation path among `insonify.tracers.labels.PATHS`
-    azimuth: Column  # of the plane in which the part lies, from athwart towards the bow, rad
-    target: Numbers  # index of the declared target, -1 for the bed; row of the reflectivity table
-    material: Numbers
-    hider: Numbers  # index of the target that hides the part, -2 where none does
+    state: Integers
+    path: Integers  # place of the propagation path among `insonify.tracers.labels.PATHS`
+    azimuth: Floats  # of the plane in which the part lies, from athwart towards the bow, rad
+    target: Integers  # index of the declared target, -1 for the bed; row of the reflectivity table
+    material: Integers
+    hider: Integers  # index of the target that hides the part, -2 where none does
     # (n, 2) ground range and height above the datum of the bed's highest place, as the sonar sees it, before the
     # part, m.
-    crest: Column
-    begin: Column  # (n, 2) ground range and height above the datum of both ends, m
-    end: Column
-    near: Column  # slant range of both ends, m
-    far: Column
-    launch: Column  # launch angle of the middle above the horizontal, rad
+    crest: Floats
+    begin: Floats  # (n, 2) ground range and height above the datum of both ends, m
+    end: Floats
+    near: Floats  # slant range of both ends, m
+    far: Floats
+    launch: Floats  # launch angle of the middle above the horizontal, rad
     # Cosine of the incidence, and the scattering strength of the material there, m² per m² and steradian.
-    cosine: Column
-    strength: Column
+    cosine: Floats
+    strength: Floats
     # Factor of the beam and of refraction (law `sonar`: m, along the track), of which ``width`` is the part
     # without the response of the beam, ``vertical`` the response of the vertical beam and ``gain`` that of
     # refraction.
-    weight: Column
-    width: Column
-    vertical: Column
-    gain: Column
-    echo: Column  # echo in the bins, weighed by each of three weights
-    spread: Column
-    value: Column
+    weight: Floats
+    width: Floats
+    vertical: Floats
+    gain: Floats
+    echo: Floats  # echo in the bins, weighed by each of three weights
+    spread: Floats
+    value: Floats
 
-    def take(self, which: NDArray[np.bool_] | Numbers) -> EchoParts:
+    def take(self, which: Booleans | Integers) -> EchoParts:
         """Return some of the parts, by a mask or by their places."""
         return EchoParts(*(getattr(self, field.name)[which] for field in fields(self)))
 
     @property
-    def middle(self) -> Column:
+    def middle(self) -> Floats:
         """Ground range and height of the middle of each part, (n, 2) in metres."""
         return 0.5 * (self.begin + self.end)
 
@@ -118,14 +115,14 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
     knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
 
-    def fill(rows: Column) -> int:
+    def fill(rows: Floats) -> int:
         parts = PartList(rows, bins, knots)
         return int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
 
     return _columns(list_rows(fill, kernels.COLUMNS))
 
 
-def _columns(rows: Column, paths: Any = 0) -> EchoParts:
+def _columns(rows: Floats, paths: Any = 0) -> EchoParts:
     """Columns of listed parts by one path, or each by its own."""
     k = kernels
     state, target, material, hider = rows[:, [k.STATE, k.TARGET, k.MATERIAL, k.HIDER]].T.astype(np.int64)
@@ -154,7 +151,7 @@ def find_surface_parts(
     return _columns(np.concatenate(rows), np.concatenate(paths))
 
 
-def _contributor_rows(arrays: SceneArrays, sink: EchoSink, window: Window, path: int, azimuth: float) -> Column:
+def _contributor_rows(arrays: SceneArrays, sink: EchoSink, window: Window, path: int, azimuth: float) -> Floats:
     """Parts by one path in one plane: a contributor's echo in the bins, placed where the strongest of it comes from."""
     k, table, bins = kernels, sink.contributions, slice(window.first, window.first + window.weights.shape[1])
     # Contributors share the energy of a bin, where each is weighed by its own range.

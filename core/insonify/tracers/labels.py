@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Integers, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
@@ -44,22 +45,22 @@ class RecordLabels(NamedTuple):
     # Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return
     # into the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so
     # that bed that other bed hides does not count.
-    shadow: NDArray[np.float32]
+    shadow: Singles
     shadow_id: NDArray[np.int16]  # index of the declared target that hides most of it, -2 where none hides any
-    ground_range: NDArray[np.float32]  # of the contributor's strongest echo, in metres; NaN without an echo
+    ground_range: Singles  # of the contributor's strongest echo, in metres; NaN without an echo
     # Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
     # different paths; NaN without an echo.
-    incidence: NDArray[np.float32]
+    incidence: Singles
     path: NDArray[np.int8]  # place of that contributor's propagation path among `PATHS`, -1 without an echo
     # Index of the declared volume of the water column with the greatest mean echo, if that exceeds the contributor's;
     # else -2.
     volume_id: NDArray[np.int16]
     # Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
     # count as no narrower than Airy's function allows.
-    caustic: NDArray[np.bool_]
+    caustic: Booleans
     # Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
     # beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
-    target_echo: NDArray[np.float32]
+    target_echo: Singles
 
 
 def trace_labels(
@@ -70,8 +71,8 @@ def trace_labels(
     across: int = 0,
     rays: int = 4000,
     crosstalk: float = 0.0,
-    volumes: NDArray[np.float32] | None = None,
-    echoes: NDArray[np.float32] | None = None,
+    volumes: Singles | None = None,
+    echoes: Singles | None = None,
     threads: int | None = None,
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
@@ -114,14 +115,14 @@ def trace_labels(
     return labels
 
 
-def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
+def _enter(found: BinLabels, places: Integers, some: BinLabels) -> None:
     """Enter the labels of some pings among those of all."""
     columns: tuple[NDArray[Any], ...] = found
     for whole, part in zip(columns, some):
         whole[places] = part
 
 
-def _find_bed(echoes: NDArray[np.float32], targets: int) -> BinLabels:
+def _find_bed(echoes: Singles, targets: int) -> BinLabels:
     """Labels of pings that meet the bed alone, without places."""
     found = empty_labels(len(echoes), echoes.shape[2], targets)
     found.contributor[...] = np.where(echoes > 0.0, 0, NO_PRIMITIVE)
@@ -176,7 +177,7 @@ def count_contributors(arrays: SceneArrays) -> int:
     return arrays.reflectivity.shape[0] + count_targets(arrays)
 
 
-def contributor_materials(arrays: SceneArrays) -> NDArray[np.int64]:
+def contributor_materials(arrays: SceneArrays) -> Integers:
     """Row of the reflectivity table of each contributor by one path."""
     rows, material = arrays.reflectivity.shape[0], np.arange(count_contributors(arrays))
     for bodies in (arrays.solids, arrays.mesh):

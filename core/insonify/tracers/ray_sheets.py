@@ -1,14 +1,15 @@
 """Sheets of rays: the reference of the charts, more accurate than as many single rays."""
 
+from insonify.arrays import Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.rays.ray_sheets import trace_ray_sheets
 from insonify.scene import SceneError
-from insonify.tracers.base import Record, empty_record, trace_blocks
+from insonify.tracers.base import empty_record, trace_blocks
 
 
 def trace(
     arrays: SceneArrays, poses: Poses, *, sheets: int = 64, rays: int = 1024, threads: int | None = None
-) -> Record:
+) -> Singles:
     """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation."""
     sheets = int(sheets) if arrays.half_width > 0.0 else 1
     if not 1 <= sheets <= rays:

@@ -4,8 +4,9 @@ import math
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_hits, find_first_hits
@@ -15,7 +16,7 @@ from insonify.kernels.rays.specular_paths import follow_specular_paths
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import count_threads
 from insonify.scene import Scene, SceneError
-from insonify.tracers.base import Ladder, Record, Tracer, empty_record, trace_blocks
+from insonify.tracers.base import Ladder, Tracer, empty_record, trace_blocks
 
 WALK = 0.0  # step that stands for an exact walk
 STRAIGHT, REFRACTED = 64, 256  # bytes that a thread holds of every ray of both sides
@@ -45,17 +46,17 @@ class Rays(Tracer):
         del arrays
         return REFRACTED_RAY if model.bent else RAY
 
-    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Record:
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
         """Trace pings as `trace` does."""
         return trace(arrays, poses, **settings)
 
 
-def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
+def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Singles:
     """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies."""
     return trace_rays(arrays, poses, rays, WALK, threads)
 
 
-def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
+def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Singles:
     """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes."""
     out = empty_record(arrays, poses)
 
@@ -69,7 +70,7 @@ def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, 
 
 def cast(
     arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[Floats, Integers, Floats]:
     """Find the first thing that each ray meets, along arcs where the water bends sound."""
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
@@ -85,12 +86,12 @@ def cast(
 class PathHits(NamedTuple):
     """Every hit of followed rays, ray by ray; the parts of a split one after the other, the reflected one first."""
 
-    ray: NDArray[np.int64]  # (n,) number of the ray
-    bounce: NDArray[np.int64]  # (n,) bounces and passages before this hit
-    position: NDArray[np.float64]  # (n, 3) of the hit: local x and y, height above the datum, in metres
-    length: NDArray[np.float64]  # (n,) of the path up to here, in metres of water that take as long
-    throughput: NDArray[np.float64]  # (n,) share of the ray's energy that arrives
-    what: NDArray[np.int64]  # (n,) index of the target, or ``BED`` (-1)
+    ray: Integers  # (n,) number of the ray
+    bounce: Integers  # (n,) bounces and passages before this hit
+    position: Floats  # (n, 3) of the hit: local x and y, height above the datum, in metres
+    length: Floats  # (n,) of the path up to here, in metres of water that take as long
+    throughput: Floats  # (n,) share of the ray's energy that arrives
+    what: Integers  # (n,) index of the target, or ``BED`` (-1)
 
 
 def follow(
@@ -113,12 +114,12 @@ def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
     return RayBundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
 
 
-def _targets(arrays: SceneArrays) -> NDArray[np.int64]:
+def _targets(arrays: SceneArrays) -> Integers:
     """Index of the target of every body; the last element stands for the bed, the one before it for nothing."""
     return np.concatenate([arrays.solids.target, arrays.mesh.target, [NOTHING, BED]])
 
 
-def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> Record:
+def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> Singles:
     """Trace pings by an exact walk, or by a march if ``step`` is positive."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")

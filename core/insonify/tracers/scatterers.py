@@ -7,10 +7,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import MOST_SAMPLES, envelope, pulse_taps, samples_per_bin
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
+from insonify.arrays import Complexes, Floats, Singles
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_samples, empty_signal, trace_scatterers
@@ -22,7 +22,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.base import PreparedTracer, Record, Waves, empty_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, empty_record, trace_blocks
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
@@ -46,7 +46,7 @@ class ScattererTracer(PreparedTracer):
 
     def trace(  # type: ignore[override]
         self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
-    ) -> Record:
+    ) -> Singles:
         """Intensity of the sum of all scatterers' waves after the pulse."""
         out = empty_record(arrays, poses)
         detect_samples(
@@ -56,7 +56,7 @@ class ScattererTracer(PreparedTracer):
 
     def trace_waves(
         self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
-    ) -> Waves:
+    ) -> Complexes:
         """Sum of all scatterers' waves after the pulse, sample by sample."""
         # Bins beyond the last have its range factor.
         bins = arrays.bins + self.bins_beyond
@@ -70,7 +70,7 @@ class ScattererTracer(PreparedTracer):
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)
 
-            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Waves = traced) -> None:
+            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Complexes = traced) -> None:
                 sight = empty_visible_bed(beam.azimuth, capacity)
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
@@ -79,7 +79,7 @@ class ScattererTracer(PreparedTracer):
             out[places] = traced
         return out
 
-    def _empty_waves(self, arrays: SceneArrays, poses: Poses) -> Waves:
+    def _empty_waves(self, arrays: SceneArrays, poses: Poses) -> Complexes:
         return np.zeros((poses.x.size, 2, arrays.bins * self.pulse.samples), np.complex128)
 
 
@@ -137,7 +137,7 @@ def _refuse_fine_bed(planes: int, knots: int, arrays: SceneArrays) -> None:
         )
 
 
-def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
+def _refuse_large_meshes(corners: Floats) -> None:
     """Refuse boxes and meshes of more patches than can be kept."""
     edges = corners - np.roll(corners, -1, axis=1)
     areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
@@ -167,9 +167,7 @@ def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> Sce
     return arrays._replace(pattern=pattern._replace(extent=extent, energy=energy, integral=integral))
 
 
-def _without_faint_sidelobes(
-    extent: float, energy: NDArray[np.float64], integral: NDArray[np.float64]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+def _without_faint_sidelobes(extent: float, energy: Floats, integral: Floats) -> tuple[float, Floats, Floats]:
     """One row of a pattern, drawn over the directions that hold nearly all of its energy."""
     place = np.linspace(-1.0, 1.0, energy.size)
     within = np.interp(place, place, integral) - np.interp(-place, place, integral)

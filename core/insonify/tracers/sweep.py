@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from insonify.arrays import Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
@@ -22,7 +23,7 @@ from insonify.scene import Scene
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
-from insonify.tracers.base import PreparedTracer, Record, Tracer, new_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, Tracer, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -80,7 +81,7 @@ class Sweep(Tracer):
         path = SURFACE_PATH + (FACET * facets if facets > 1 else 0.0)
         return 2.0 * planes * profile * (1.0 + path * len(model.ways - {SURFACE_ECHO}))
 
-    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Record:
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
         """Trace pings as `trace` does."""
         return trace(arrays, poses, **settings)
 
@@ -102,7 +103,7 @@ def trace(
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
-) -> Record:
+) -> Singles:
     """Trace pings by the sweep."""
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
@@ -141,7 +142,7 @@ def _trace_alike(
     apparent: ApparentTables,
     rooms: PerThread[SweepWorkspace],
     threads: int | None,
-    out: Record,
+    out: Singles,
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
     beam, image_beam = beams

@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.array_cache import remember_latest
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.scene import Scene
@@ -27,27 +27,25 @@ MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
 LEAST = 1e-9  # rad, by which edges of sectors differ
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
-Angles = NDArray[np.float64]
-
 
 class TargetSectors(NamedTuple):
     """Azimuths of bodies as each ping has them abeam, (pings, sides × bodies) each."""
 
-    low: Angles  # where a body begins, from athwart towards the bow, rad
-    high: Angles  # and ends
-    step: Angles  # greatest distance of planes across it, rad; infinite for a body on the other side
-    nearest: Angles  # bound on its least ground range, m
+    low: Floats  # where a body begins, from athwart towards the bow, rad
+    high: Floats  # and ends
+    step: Floats  # greatest distance of planes across it, rad; infinite for a body on the other side
+    nearest: Floats  # bound on its least ground range, m
 
 
 class _Outlines(NamedTuple):
     """Points with radii about them, the hulls of which are the bodies' outlines from above."""
 
-    x: Angles  # (points,) m
-    y: Angles
-    radius: Angles
-    first: NDArray[np.int64]  # (bodies,) point with which each begins
-    lobe: Angles  # (bodies,) 1/√n of its material's specular lobe, infinite where it has none
-    curvature: Angles  # (bodies,) of its sides about the vertical, 1/m
+    x: Floats  # (points,) m
+    y: Floats
+    radius: Floats
+    first: Integers  # (bodies,) point with which each begins
+    lobe: Floats  # (bodies,) 1/√n of its material's specular lobe, infinite where it has none
+    curvature: Floats  # (bodies,) of its sides about the vertical, 1/m
 
 
 def has_bodies(arrays: SceneArrays) -> bool:
@@ -69,7 +67,7 @@ def _find_sectors(outlines: _Outlines, arrays: SceneArrays, poses: Poses, across
     return TargetSectors(*(np.concatenate(columns, axis=1) for columns in zip(*sides)))
 
 
-def _find_one_side(outlines: _Outlines, ahead: Angles, abeam: Angles, across: int, bin_length: float) -> TargetSectors:
+def _find_one_side(outlines: _Outlines, ahead: Floats, abeam: Floats, across: int, bin_length: float) -> TargetSectors:
     """Sectors on one side; points on the other side count as at its border."""
     first, radius = outlines.first, outlines.radius
     distance = np.hypot(ahead, abeam)
@@ -88,7 +86,7 @@ def _find_one_side(outlines: _Outlines, ahead: Angles, abeam: Angles, across: in
     return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest)
 
 
-def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> NDArray[np.bool_]:
+def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Booleans:
     """Whether a plane of each ping may cut a target."""
     met = np.zeros(poses.x.size, np.bool_)
     if not has_bodies(arrays):
@@ -125,7 +123,7 @@ def _sectors_over_track(scene: Scene, arrays: SceneArrays, across: int) -> Targe
     return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across)
 
 
-def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Angles) -> NDArray[np.int64]:
+def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
     """Pings with planes too wide for a body across them within reach, in order, by height above the lowest bed, m."""
     width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
     bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
@@ -139,7 +137,7 @@ def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Angles
     return np.flatnonzero(np.concatenate([find_too_wide(wide, some, part, height).any(axis=(1, 2)) for part in parts]))
 
 
-def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Angles) -> NDArray[np.bool_]:
+def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
     """Which planes of which pings, (pings, planes, sides × bodies), lie across a body and are too wide for it."""
     low, high = (edge[:, None] for edge in _edges(fan))
     a, b, step, nearest = (column[pings, None, :] for column in sectors)
@@ -147,7 +145,7 @@ def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height:
     return np.asarray((low < b) & (high > a) & reached & (high - low > (1.0 + LEAST) * step))
 
 
-def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Angles, across: int) -> AzimuthFan:
+def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
     """Divide the planes of a fan that are too wide for the targets of one ping."""
     # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
     needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
@@ -169,7 +167,7 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     return _make_fan(fan, (low, high), start, start + size)
 
 
-def _place_edges(planes: tuple[Angles, Angles], dense: NDArray[np.bool_], a: Angles, b: Angles) -> Angles:
+def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats) -> Floats:
     """Edges of planes and of bodies, without those of divided planes that lie across a body."""
     low, high = planes
     own = np.unique(np.concatenate(planes))
@@ -181,14 +179,14 @@ def _place_edges(planes: tuple[Angles, Angles], dense: NDArray[np.bool_], a: Ang
     return edges[np.append(True, np.diff(edges) > LEAST)]
 
 
-def _find_parents(low: Angles, high: Angles, azimuth: Angles) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+def _find_parents(low: Floats, high: Floats, azimuth: Floats) -> tuple[Booleans, Integers]:
     """Whether azimuths lie in planes, which may have gaps between them, and in which."""
     order = np.argsort(low)
     parent = order[np.maximum(np.searchsorted(low[order], azimuth, side="right") - 1, 0)]
     return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
 
 
-def _make_fan(fan: AzimuthFan, planes: tuple[Angles, Angles], low: Angles, high: Angles) -> AzimuthFan:
+def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats) -> AzimuthFan:
     """Planes between edges, in place of those of a fan."""
     (_, first), (_, parent), (_, last) = (
         _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)
@@ -208,7 +206,7 @@ def _make_fan(fan: AzimuthFan, planes: tuple[Angles, Angles], low: Angles, high:
     )
 
 
-def _edges(fan: AzimuthFan) -> tuple[Angles, Angles]:
+def _edges(fan: AzimuthFan) -> tuple[Floats, Floats]:
     """Azimuths at which the sectors of planes begin and end, rad; those of a top-hat's planes lie on either side."""
     low, high = np.arcsin(fan.s_low), np.arcsin(fan.s_high)
     is_central = (fan.azimuth == 0.0) & (fan.s_low == 0.0)
@@ -226,7 +224,7 @@ def _covers_of(solids: Solids, mesh: Mesh) -> _Outlines:
 
 
 @remember_latest
-def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: NDArray[np.float64]) -> _Outlines:
+def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: Floats) -> _Outlines:
     """Outlines of solids and of the meshes of each target; balls at the joints of a pipe hardly show."""
     is_ball = solids.length == 0.0
     kept = ~(is_ball & np.isin(solids.target, solids.target[~is_ball]))
@@ -246,7 +244,7 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: NDArray[np.float64]) 
     )
 
 
-def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Angles, Angles, Angles, NDArray[np.int64], list[Angles]]:
+def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Floats, Floats, Floats, Integers, list[Floats]]:
     """Points at the ends of solids and then about meshes: x, y, radii of the ends, first point of each, hulls."""
     ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
     radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
@@ -257,7 +255,7 @@ def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Angles, Angles, Angles, NDArr
     return points[:, 0], points[:, 1], np.repeat(radius, 2), first, hulls
 
 
-def _hull_from_above(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _hull_from_above(corners: Floats) -> Floats:
     """Corners that lie outermost in some direction, (n, 2)."""
     points = corners.reshape(-1, 3)[:, :2]
     ways = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)

@@ -4,11 +4,11 @@ import html
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QVBoxLayout, QWidget
 
+from insonify.arrays import Floats, Integers
 from insonify_viewer.panels.budget.levels import Group, SolvedBudget, signed
 from insonify_viewer.widgets.arrow_keys import steps_of
 from insonify_viewer.widgets.buttons import make, make_label
@@ -25,7 +25,6 @@ NEAREST = 0.15  # share of the range, nearer than which levels do not set the sc
 KEY = 36.0  # px, piece of line before the name of a curve, and the gap behind it
 KEY_STEP = 0.01  # of the range, by which a key moves the cursor
 STRONGEST = 60.0  # dB re 1 m², of a target, up and down
-Curve = NDArray[np.float64]
 
 
 class BudgetView(QWidget):
@@ -236,7 +235,7 @@ class LevelCurves(PaintedOnce):
         self.ranged.emit(min(max(slant_range, 0.0), self._solved.scene.sonar.range))
 
 
-def _limits(slant_range: Curve, levels: list[Curve]) -> tuple[float, float]:
+def _limits(slant_range: Floats, levels: list[Floats]) -> tuple[float, float]:
     """Lowest and highest level of the plot."""
     far = slant_range > NEAREST * slant_range[-1]
     shown = np.concatenate([level[far & np.isfinite(level)] for level in levels])
@@ -245,7 +244,7 @@ def _limits(slant_range: Curve, levels: list[Curve]) -> tuple[float, float]:
     return float(max(low, high - SPAN, -1e9)), float(max(high, low + STEP))
 
 
-def _runs(level: Curve) -> list[NDArray[np.int64]]:
+def _runs(level: Floats) -> list[Integers]:
     """Find the indices of each stretch in which a level is finite."""
     finite = np.flatnonzero(np.isfinite(level))
     return [part for part in np.split(finite, np.flatnonzero(np.diff(finite) > 1) + 1) if part.size > 1]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Singles
 from insonify_viewer.state.quantities import format_duration, nearest_within
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class ChartPicture:
     """A chart as pixels."""
 
     chart: AccuracyChart  # the chart
-    pixels: NDArray[np.uint8]  # (height, width, 4) red, green, blue, opacity
+    pixels: Bytes  # (height, width, 4) red, green, blue, opacity
     points: tuple[ChartPoint, ...]  # points to pick
 
 
@@ -66,8 +66,8 @@ class RowDetails:
     row: AccuracyRow  # row of the chart
     # (pings, 2 bins) amplitudes over those of a level bed, from far port over nadir to far starboard, newest ping
     # first.
-    record: NDArray[np.float32]
-    reference: NDArray[np.float32]
+    record: Singles
+    reference: Singles
     rays: int  # rays per side of the reference
     similarity: float  # SSIM of the two as pictures
     reach: float  # slant range of the last bin, in metres
@@ -107,7 +107,7 @@ def details_in_words(details: RowDetails) -> str:
     return " · ".join(part for part in parts if part)
 
 
-def _laid(sides: NDArray[np.float32]) -> NDArray[np.float32]:
+def _laid(sides: Singles) -> Singles:
     return np.concatenate([sides[::-1, 0, ::-1], sides[::-1, 1]], axis=1)
 
 

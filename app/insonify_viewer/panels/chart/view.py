@@ -6,6 +6,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QVBoxLayout, QWidget
 
+from insonify.arrays import Singles
 from insonify.display.display_options import PALETTES
 from insonify.display.picture import choose_contrast, colour_rows, load_palette
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
@@ -217,7 +218,7 @@ class StripsView(Painted):
         painter: QPainter,
         number: int,
         title: tuple[tuple[str, QColor], ...],
-        strip: NDArray[np.float32],
+        strip: Singles,
         ends: tuple[float, float],
         table: NDArray[np.uint32],
     ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from insonify.arrays import Dataset
 from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
 from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, Workbench
@@ -15,8 +16,6 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.jobs import BackgroundJob, State
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from insonify.simulation import Simulation
 
 Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
@@ -174,7 +173,7 @@ class ComparisonPanel(Panel):
             self.view.show_measured(part, found or "cannot be measured")
 
 
-def measure_record(record: xr.Dataset) -> Measured:
+def measure_record(record: Dataset) -> Measured:
     """Measure the statistics of a record; a record with too little bed has a sentence instead."""
     # lazy: loads SciPy on a thread of its own; the window opens before
     from insonify.statistics.record_statistics import measure_statistics

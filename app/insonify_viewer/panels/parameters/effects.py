@@ -9,9 +9,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.water import speed_at_sonar
+from insonify.arrays import Integers
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.edit import part_at
 from insonify.scene.water import WaterKind
@@ -177,7 +177,7 @@ class EffectMeter:
         except SceneError:
             return None
 
-    def _trace(self, scene: Scene, found: _Measured, pings: NDArray[np.int64]) -> RecordSnapshot:
+    def _trace(self, scene: Scene, found: _Measured, pings: Integers) -> RecordSnapshot:
         amplitude = self._simulator.trace_beside(scene, found.modelling, pings)
         rows = np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
         return RecordSnapshot(scene, pings, np.square(rows))
@@ -192,7 +192,7 @@ def _snapshot_some(simulation: Simulation, record: Record) -> RecordSnapshot:
     """Copy pings of a record, spread evenly, as many as are traced in a moment."""
     held = np.sort(record.ping[record.ping >= 0])
     count = min(max(simulation.pings_within(SECONDS), FEWEST), held.size)
-    pings: NDArray[np.int64] = held[np.unique(np.linspace(0, held.size - 1, count).astype(np.int64))]
+    pings: Integers = held[np.unique(np.linspace(0, held.size - 1, count).astype(np.int64))]
     intensity = np.square(record.amplitude[record.rows(pings)])
     return RecordSnapshot(simulation.scene, pings, intensity)
 

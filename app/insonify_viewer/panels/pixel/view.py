@@ -8,27 +8,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.text import ThemedText
-from insonify_viewer.widgets.theme import (
-    ACCENT,
-    ACCENT_IN_WATER,
-    MARK,
-    MARK_IN_WATER,
-    OVER_WATER,
-    QUIET,
-    TEXT,
-    text_scale,
-)
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
@@ -42,8 +33,7 @@ LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
 
-Points = NDArray[np.float64]
-WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", ACCENT_IN_WATER, "#0a0604"
+WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", theme.ACCENT_IN_WATER, "#0a0604"
 BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
 ARC = 96  # points of the ring of equal slant range
 
@@ -121,7 +111,7 @@ class SectionScales:
         y = self.area.bottom() - (height - self.low) / (self.high - self.low) * self.area.height()
         return QPointF(self.area.left() + share * self.area.width(), y)
 
-    def polygon(self, points: Points) -> QPolygonF:
+    def polygon(self, points: Floats) -> QPolygonF:
         """Pixels of (n, 2) ground ranges and heights."""
         return QPolygonF([self.at(x, z) for x, z in points.tolist()])
 
@@ -142,7 +132,7 @@ class SectionView(PaintedOnce):
         """Paint the section."""
         if self._shown is not None:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            _paint(painter, *self._shown, (self.width(), self.height()), text_scale(self))
+            _paint(painter, *self._shown, (self.width(), self.height()), theme.text_scale(self))
 
 
 def _paint(
@@ -158,7 +148,7 @@ def _paint(
     _paint_rays(painter, scales, section, explanation)
     painter.setClipping(False)
     painter.setPen(_pen(HIDDEN, 1.0))
-    painter.setBrush(QColor(OVER_WATER))
+    painter.setBrush(QColor(theme.OVER_WATER))
     painter.drawEllipse(scales.at(0.0, float(section.sonar.place[2])), 5.0, 5.0)
     _paint_scales(painter, scales, section)
 
@@ -183,7 +173,7 @@ def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) 
         _name_target(painter, scales, name, face)
 
 
-def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Points) -> None:
+def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Floats) -> None:
     """Write the name of a target above it and beyond, where the ray from the sonar does not cross it."""
     top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
     place = scales.at(float(top[0]), float(top[1]))
@@ -205,10 +195,10 @@ def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection,
 
 def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection, explanation: PixelExplanation) -> None:
     """Paint rays, and where they lead."""
-    drawn: list[tuple[str, tuple[Points, ...], Points]] = [
+    drawn: list[tuple[str, tuple[Floats, ...], Floats]] = [
         (BLOCKED, each.rays[:1], each.places) for each in explanation.obstructions
     ]
-    drawn += [(MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
+    drawn += [(theme.MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
     for colour, rays, places in drawn:
         painter.setPen(_pen(colour, 1.6))
         for ray in rays:
@@ -219,7 +209,7 @@ def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection,
 
 def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
     """Write ground ranges below and depths beside the section."""
-    painter.setPen(QColor(QUIET))
+    painter.setPen(QColor(theme.QUIET))
     area, wide, high = scales.area, 80.0 * scales.text, 16.0 * scales.text
     for distance in round_steps(0.0, scales.reach, max(int(area.width() / (70 * scales.text)), 1)):
         x = scales.at(distance, 0.0).x()
@@ -235,13 +225,13 @@ def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSectio
             painter.drawText(QRectF(0.0, y - 0.5 * high, area.left() - 6.0, high), right, f"{depth:g} m")
 
 
-def _flat(section: CrossSection, points: Points) -> Points:
+def _flat(section: CrossSection, points: Floats) -> Floats:
     """Ground range and height of places in local coordinates, (n, 3) to (n, 2)."""
     level = points[:, :2] - section.sonar.place[:2]
     return np.column_stack([np.hypot(level[:, 0], level[:, 1]), points[:, 2]])
 
 
-def _lines(scales: SectionScales, segments: Points) -> list[QPointF]:
+def _lines(scales: SectionScales, segments: Floats) -> list[QPointF]:
     """Pixels of the beginnings and ends of segments, in turns."""
     return [scales.at(x, z) for x, z in segments.reshape(-1, 2).tolist()]
 
@@ -279,10 +269,10 @@ class BudgetList(ThemedText):
         """HTML of the groups and notes."""
         lines = []
         for head, rows in self.groups:
-            lines.append(_line(head, "", ACCENT))
+            lines.append(_line(head, "", theme.ACCENT))
             most = max((abs(row[3]) for row in rows if math.isfinite(row[3])), default=0.0)
-            lines += [_line(row, _bar(row[3], most), TEXT) for row in rows]
-        notes = "".join(f'<p style="color:{QUIET.name()}">{html.escape(note)}</p>' for note in self._notes)
+            lines += [_line(row, _bar(row[3], most), theme.TEXT) for row in rows]
+        notes = "".join(f'<p style="color:{theme.QUIET.name()}">{html.escape(note)}</p>' for note in self._notes)
         return f'<table cellspacing="3">{"".join(lines)}</table>{notes}'
 
 
@@ -292,7 +282,7 @@ def _line(row: Row, bar: str, colour: QColor) -> str:
     return (
         f'<tr><td align="right" style="white-space:nowrap">{level}</td><td style="white-space:nowrap">{bar}</td>'
         f'<td><span style="color:{colour.name()}">{name}</span> '
-        f'<span style="color:{QUIET.name()}">{detail}</span></td></tr>'
+        f'<span style="color:{theme.QUIET.name()}">{detail}</span></td></tr>'
     )
 
 
@@ -302,7 +292,7 @@ def _bar(value: float, most: float) -> str:
         return ""
     eighths = round(8 * LONGEST * abs(value) / most)
     blocks = "█" * (eighths // 8) + ("", *"▏▎▍▌▋▊▉")[eighths % 8]
-    return f'<span style="color:{(MARK if value < 0.0 else ACCENT).name()}">{blocks}</span>'
+    return f'<span style="color:{(theme.MARK if value < 0.0 else theme.ACCENT).name()}">{blocks}</span>'
 
 
 def _contributions(explanation: PixelExplanation) -> list[Row]:

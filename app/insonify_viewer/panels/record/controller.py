@@ -6,8 +6,8 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.contacts import Contact
 from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
@@ -144,7 +144,7 @@ class RecordPanel(Panel):
             self.view.histogram.show_levels(self._find_levels)
             self._show_colours()
 
-    def _find_levels(self) -> NDArray[np.float64]:
+    def _find_levels(self) -> Floats:
         """Levels of some bins of the simulated record on screen, in dB re level bed."""
         record = self._simulated.record
         held = np.flatnonzero(record.ping >= 0)

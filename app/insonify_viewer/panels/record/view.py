@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import (
     QAction,
@@ -29,6 +28,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.arrays import Floats, Reals
 from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
 from insonify.io.contacts import CONFIDENCES, Contact
 from insonify_viewer.errors import guard_override
@@ -396,8 +396,8 @@ class HistogramView(Painted):
             "How often each level occurs in the record. Drag the ends of the colour bar to set the contrast. Keys: "
             "← → upper end, Shift+← → lower end."
         )
-        self._counts: NDArray[np.float64] = np.zeros(1)
-        self._due: Callable[[], NDArray[np.floating]] | None = None  # gives the levels to count
+        self._counts: Floats = np.zeros(1)
+        self._due: Callable[[], Reals] | None = None  # gives the levels to count
         self._bar = QImage()
         self.ends = (LOWEST, HIGHEST)
         self._held: int | None = None
@@ -407,7 +407,7 @@ class HistogramView(Painted):
         """Preferred size."""
         return QSize(260, 112)
 
-    def show_levels(self, find: Callable[[], NDArray[np.floating]]) -> None:
+    def show_levels(self, find: Callable[[], Reals]) -> None:
         """Count levels in dB re level bed when they are next painted: behind a tab, never."""
         self._due = find
         self.update()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
@@ -19,23 +18,14 @@ from PySide6.QtGui import (
     QResizeEvent,
 )
 
+from insonify.arrays import Floats
 from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits, describe_eigenray, place_along_axis
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.record_overlays import draw_cross
 from insonify_viewer.state.quantities import nearest_within
+from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.arrow_keys import ENTER, modifiers_of, steps_of
 from insonify_viewer.widgets.painting import PaintedOnce, image_of, round_steps, rounded_pen
-from insonify_viewer.widgets.theme import (
-    ACCENT,
-    ACCENT_IN_WATER,
-    GROUND,
-    MARK,
-    MARK_IN_WATER,
-    OVER_WATER,
-    QUIET,
-    RAISED,
-    TEXT,
-)
 
 SPEED, DEPTH = 0.2, 0.1  # m/s and m, by which a key moves a point of the profile
 KEY_STEP = 0.01  # of the range and of the depth, by which a key moves the cross in the water
@@ -51,7 +41,7 @@ BED_SHARE = 0.10  # of the height, filled by the bed
 # Colours of sound speed, from slow to fast.
 NIGHT = np.array([(28, 70, 108), (38, 62, 84), (62, 59, 56), (106, 80, 46)], dtype=np.float64)
 RAY, BED, BED_EDGE, SHADE = "#9cc3e2", "#4b3f2d", "#8a7450", (2, 4, 7, 190)
-EIGENRAYS = (ACCENT_IN_WATER, "#7bd389", "#f26d6d", "#c792ea")
+EIGENRAYS = (theme.ACCENT_IN_WATER, "#7bd389", "#f26d6d", "#c792ea")
 DARK, SIGN = "#121a22", QColor(18, 26, 34, 205)  # around marks, and behind words, in the water
 ROWS, COLUMNS = 128, 64  # size of the sound-speed picture
 LABEL = 34.0  # px, least distance of two angle labels
@@ -93,7 +83,7 @@ class WaterView(PaintedOnce):
     def paint(self, painter: QPainter) -> None:
         """Paint the rays once, and the profile every time."""
         if self._diagram is None:
-            painter.setPen(QUIET)
+            painter.setPen(theme.QUIET)
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
             return
         frame = self.scales()
@@ -320,7 +310,7 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
     painter.setPen(rounded_pen(RAY, 1.0, 150))
     for path in diagram.rays:
         painter.drawPolyline(_polygon(frame, path.range, path.depth))
-    painter.setPen(rounded_pen(MARK_IN_WATER, 2.0))
+    painter.setPen(rounded_pen(theme.MARK_IN_WATER, 2.0))
     painter.drawPoints(_polygon(frame, *diagram.caustics.T))
     for number, path in enumerate(diagram.eigenrays):
         painter.setPen(rounded_pen(EIGENRAYS[number % len(EIGENRAYS)], 2.4))
@@ -331,10 +321,10 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
     for begin, end in diagram.dark:
         painter.drawLine(frame.at(begin, frame.bottom), frame.at(end, frame.bottom))
     painter.setPen(rounded_pen(DARK, 1.0))
-    painter.setBrush(QColor(OVER_WATER))
+    painter.setBrush(QColor(theme.OVER_WATER))
     painter.drawEllipse(frame.at(0.0, diagram.source_depth), 5.0, 5.0)
     if diagram.target is not None:
-        painter.setPen(rounded_pen(OVER_WATER, 1.6))
+        painter.setPen(rounded_pen(theme.OVER_WATER, 1.6))
         painter.setBrush(QColor(DARK))
         painter.drawEllipse(frame.at(*diagram.target), 4.5, 4.5)
     _label_rays(painter, diagram, frame)
@@ -348,22 +338,22 @@ def paint_profile(
     """Paint sound speed over depth, with the points that can be dragged."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     area = frame.profile
-    painter.fillRect(area, RAISED)
+    painter.fillRect(area, theme.RAISED)
     y = frame.height_of(diagram.source_depth)
-    painter.setPen(QPen(QColor(QUIET), 1.0, Qt.PenStyle.DashLine))
+    painter.setPen(QPen(QColor(theme.QUIET), 1.0, Qt.PenStyle.DashLine))
     painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
     layers = diagram.layers
     within = layers.depth[(layers.depth > 0.0) & (layers.depth < diagram.bottom)]
     depth = np.concatenate([[0.0], within, [diagram.bottom]])
     for number, profile in enumerate(layers.speed):
         share = number / max(len(layers.speed) - 1, 1)
-        painter.setPen(rounded_pen(TEXT, 2.0 - share, 255 - int(90 * share)))
+        painter.setPen(rounded_pen(theme.TEXT, 2.0 - share, 255 - int(90 * share)))
         speeds = np.interp(depth, layers.depth, profile)
         painter.drawPolyline(QPolygonF([frame.of_speed(c, d) for c, d in zip(speeds, depth)]))
     _paint_bed(painter, frame, area)
     for number, point in enumerate(points):
-        painter.setPen(rounded_pen(GROUND, 1.0))
-        painter.setBrush(QColor(ACCENT if number == held else MARK))
+        painter.setPen(rounded_pen(theme.GROUND, 1.0))
+        painter.setBrush(QColor(theme.ACCENT if number == held else theme.MARK))
         painter.drawEllipse(point, HANDLE, HANDLE)
 
 
@@ -386,7 +376,7 @@ def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> No
         text = f"{path.angle:.3g}°".replace("-", "−")
         leaves = path.range[-1] >= diagram.reach * (1.0 - 1e-9)
         on_bed = not leaves and path.depth[-1] > 0.5 * diagram.bottom
-        painter.setPen(QColor(RAY if on_bed else QUIET))  # all others stand outside the picture
+        painter.setPen(QColor(RAY if on_bed else theme.QUIET))  # all others stand outside the picture
         if leaves:
             painter.drawText(QPointF(end.x() + 3.0, end.y() + 4.0), text)
         elif on_bed:
@@ -396,7 +386,7 @@ def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> No
 
 
 def _label_scales(painter: QPainter, frame: PlotScales) -> None:
-    painter.setPen(QColor(QUIET))
+    painter.setPen(QColor(theme.QUIET))
     right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
     for depth in round_steps(0.0, frame.bottom, 5):
         y = frame.height_of(depth)
@@ -417,11 +407,11 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
     """Describe the eigenrays, where no sound reaches the bed, and formulas beyond their range."""
     lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
-        lines = [(OVER_WATER, "no direct ray reaches this point: it lies in a shadow zone")]
+        lines = [(theme.OVER_WATER, "no direct ray reaches this point: it lies in a shadow zone")]
     for begin, end in diagram.dark:
         place = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
-        lines.append((OVER_WATER, f"no sound on the bed {place}"))
-    lines += [(OVER_WATER, sentence) for sentence in diagram.limits]
+        lines.append((theme.OVER_WATER, f"no sound on the bed {place}"))
+    lines += [(theme.OVER_WATER, sentence) for sentence in diagram.limits]
     metrics = painter.fontMetrics()
     for number, (colour, line) in enumerate(lines):
         width = metrics.horizontalAdvance(line) + 10.0
@@ -431,7 +421,7 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, line)
 
 
-def _polygon(frame: PlotScales, distance: NDArray[np.float64], depth: NDArray[np.float64]) -> QPolygonF:
+def _polygon(frame: PlotScales, distance: Floats, depth: Floats) -> QPolygonF:
     area = frame.water
     x = area.left() + np.asarray(distance) / frame.reach * area.width()
     y = area.top() + np.asarray(depth) / frame.bottom * area.height()

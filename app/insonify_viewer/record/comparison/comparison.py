@@ -3,9 +3,9 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from psygnal import Signal
 
+from insonify.arrays import Integers
 from insonify.scene import Scene, SceneError, load_partner
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.arrangement import Arrangement
@@ -253,7 +253,7 @@ class Comparison:
             kept.simulated = found
             self._fill()
 
-    def _take_pings(self, kept: KeptRecord, pings: NDArray[np.int64], traced: Traced | None) -> None:
+    def _take_pings(self, kept: KeptRecord, pings: Integers, traced: Traced | None) -> None:
         if kept is not self.a:
             return
         self._asked = False

@@ -16,6 +16,7 @@ from PySide6.QtGui import (
     QWheelEvent,
 )
 
+from insonify.arrays import Booleans, Integers, Singles
 from insonify.display.picture import colour_rows
 from insonify_viewer.errors import guard_override
 from insonify_viewer.record.comparison.arrangement import Arrangement
@@ -34,7 +35,7 @@ WIPES: dict[int, float] = {Qt.Key.Key_Left: -WIPE, Qt.Key.Key_Right: WIPE}  # wi
 SPANS = (0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 40.0)  # dB at the ends of the palette
 CLIPPED = 0.005  # share of the pixels that may lie beyond the ends
 SAMPLED = 7  # every so many pixels are looked at for the span
-Columns = tuple[NDArray[np.float32], NDArray[np.bool_]]
+Columns = tuple[Singles, Booleans]
 
 
 class ComparisonOverlay(Painted):
@@ -209,7 +210,7 @@ class ComparisonOverlay(Painted):
         painter.restore()
         self._draw_scale(painter, plot, self.difference.span)
 
-    def _decibels(self) -> NDArray[np.float32]:
+    def _decibels(self) -> Singles:
         """Level of B over A in the display columns of B."""
         b = self._b.shown_columns()
         rows = ((np.arange(len(b[1])) + 0.5) * self._a.rows_a_ping).astype(np.int64)
@@ -296,7 +297,7 @@ class DifferencePicture(NamedTuple):
     span: float  # decibels at the ends of the palette
 
 
-def decibels_between(a: Columns, b: Columns, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+def decibels_between(a: Columns, b: Columns, rows: Integers) -> Singles:
     """Level of B over A, pixel by pixel."""
     known = (rows >= 0) & (rows < len(a[1])) & b[1]
     known[known] = a[1][rows[known]]
@@ -309,7 +310,7 @@ def decibels_between(a: Columns, b: Columns, rows: NDArray[np.int64]) -> NDArray
     return out
 
 
-def draw_difference(decibels: NDArray[np.float32], table: NDArray[np.uint32], empty: int) -> DifferencePicture:
+def draw_difference(decibels: Singles, table: NDArray[np.uint32], empty: int) -> DifferencePicture:
     """Colour decibels, with ends that hold all but a few pixels."""
     unknown = np.isnan(decibels)
     sizes = np.abs(decibels.ravel()[::SAMPLED])

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.scene import Scene, plain
 from insonify_viewer.record.record import Record, pings_held
 from insonify_viewer.state.fields import name_field
@@ -15,7 +15,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.ping_request import SimulatedScene, TracedPings, find_altitude
 
 BLOCK_TIME = 0.1  # s, predicted for a block of pings, after which it is shown
-Traced = tuple[NDArray[np.float32], NDArray[np.float64]]
+Traced = tuple[Singles, Floats]
 STAMP = 0  # of all rows: a kept record does not change
 UNHEARD = ("title", "description", "controls", "partner")  # fields that do not concern the record
 AUTOMATIC = "automatic"
@@ -39,12 +39,12 @@ class KeptRecord:
         kept.record.altitude[:] = record.altitude
         return kept
 
-    def missing(self, top: int) -> NDArray[np.int64]:
+    def missing(self, top: int) -> Integers:
         """Pings that are on screen below a ping on top, and not traced yet; as many as take a moment."""
         missing = self.record.missing(top, STAMP)
         return missing if self.simulated is None else missing[: self.simulated.simulation.pings_within(BLOCK_TIME)]
 
-    def trace(self, pings: NDArray[np.int64]) -> Traced:
+    def trace(self, pings: Integers) -> Traced:
         """Trace pings: amplitudes relative to a level bed, (n, 2, bins), and altitudes, (n,), in metres."""
         assert self.simulated is not None
         simulation, level = self.simulated

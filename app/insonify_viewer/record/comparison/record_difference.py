@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Integers, Singles
 from insonify.scene import Scene
 from insonify_viewer.record.record import Record
 
@@ -23,8 +23,8 @@ class RecordSnapshot:
     """Copy of the record of a scene."""
 
     scene: Scene  # its scene
-    ping: NDArray[np.int64]  # (n,) numbers of the pings
-    intensity: NDArray[np.float32]  # (n, 2 bins) relative to a level bed, from far port to far starboard
+    ping: Integers  # (n,) numbers of the pings
+    intensity: Singles  # (n, 2 bins) relative to a level bed, from far port to far starboard
 
     @classmethod
     def of(cls, record: Record, scene: Scene) -> RecordSnapshot:
@@ -86,7 +86,7 @@ def compare_records(before: RecordSnapshot, after: RecordSnapshot) -> RecordDiff
     return RecordDifference(share, 10.0 * math.log10(ratio) if ratio > 0.0 else math.nan, seen)
 
 
-def visible_share(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
+def visible_share(before: Singles, after: Singles) -> float:
     """Share of the bins lit in one record or both whose level changes by 1 dB or more; 0 where none is lit."""
     lit = (before > FLOOR) | (after > FLOOR)
     one, other = before[lit] + np.float32(FLOOR), after[lit] + np.float32(FLOOR)

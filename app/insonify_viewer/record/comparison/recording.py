@@ -1,25 +1,19 @@
 """A recording as the viewer shows it: amplitudes relative to its own median, and its navigation in words."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Dataset, Floats, Singles
 from insonify.io.records import RECORDS
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
 from insonify_viewer.record.record_image import COLUMNS
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import column_means
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 UNKNOWN = "not recorded"
 BLOCK = 512  # pings whose overview is computed at once
@@ -30,15 +24,15 @@ class Recording:
     """A record that was read from a file."""
 
     path: Path  # the file
-    dataset: xr.Dataset  # the record, from ``records.read_record``
+    dataset: Dataset  # the record, from ``records.read_record``
     # (pings, 2, bins) amplitudes relative to the median curve of the record; port first, near to far.
-    amplitude: NDArray[np.float32]
+    amplitude: Singles
     # (pings,) height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where
     # neither is known.
-    altitude: NDArray[np.float64]
+    altitude: Floats
 
     @cached_property
-    def overview(self) -> NDArray[np.float32]:
+    def overview(self) -> Singles:
         """Amplitudes in a few columns, from far port to far starboard, (pings, columns)."""
         blocks = np.array_split(self.amplitude, max(self.pings // BLOCK, 1))
         return np.concatenate(

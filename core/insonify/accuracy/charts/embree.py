@@ -5,8 +5,8 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.types import BED, SPHERE, Bed, Poses, SceneArrays, Solids
 from insonify.kernels.rays.cast import add_echoes, aim_straight, arrive_straight, echo_rays, unaimed
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
@@ -18,8 +18,6 @@ MOST_TRIANGLES = 8_000_000
 FACETS_AROUND = 128
 # An icosahedron divided five times has edges of up to 2.3 degrees: 20,480 triangles, as fine as those chords.
 DIVISIONS_OF_SPHERE = 5
-
-Record = NDArray[np.float32]
 
 
 def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
@@ -77,7 +75,7 @@ class TriangulatedScene:
         hits.nx[:], hits.ny[:], hits.nz[:] = np.where(turned, -normal.T, normal.T)
         return hits
 
-    def trace(self, poses: Poses, *, rays: int) -> Record:
+    def trace(self, poses: Poses, *, rays: int) -> Singles:
         """Trace pings ray by ray."""
         arrays = self._arrays
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
@@ -95,9 +93,7 @@ class TriangulatedScene:
         return out
 
 
-def _bed_triangles(
-    bed: Bed, columns: NDArray[np.int64], rows: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+def _bed_triangles(bed: Bed, columns: Integers, rows: Integers) -> tuple[Floats, Integers, Integers]:
     """Nodes of a part of the bed, the corners by number of the triangles of its whole cells, and their materials."""
     ny, nx = bed.heights.shape
     heights = bed.heights[np.ix_(rows % ny, columns % nx)]
@@ -127,7 +123,7 @@ def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[in
     return spans[0], spans[1]
 
 
-def tessellate_solids(solids: Solids) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def tessellate_solids(solids: Solids) -> tuple[Floats, Integers]:
     """Triangles inscribed in spheres, cylinders and cones, (m, 3, 3), and the solid of each."""
     import trimesh.creation  # slow to import, and needed only with Embree
 

@@ -6,9 +6,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
+from insonify.arrays import Singles
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
 from insonify.packing.scene_arrays import pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -31,8 +31,6 @@ DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 1
 SWEEPS = ("sweep", *(f"sweep, {division}" for division in DIVISIONS))  # of the whole scene, however divided
 PLAN = "default plan"
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
-
-Record = NDArray[np.float32]
 
 
 def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
@@ -62,7 +60,7 @@ class MethodSetting(NamedTuple):
     method: str  # name of the method
     setting: str  # setting as text
     size: float  # setting as a number: step in metres, rays per side, or planes
-    trace: Callable[[Poses], Record]  # traces the record of some poses on one thread
+    trace: Callable[[Poses], Singles]  # traces the record of some poses on one thread
 
 
 def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
@@ -96,7 +94,7 @@ def plan_setting(scene: Scene) -> MethodSetting:
     """Return what the plan chooses for a scene at the usual tolerance, on one thread."""
     simulation = prepare(scene)
 
-    def trace(poses: Poses) -> Record:
+    def trace(poses: Poses) -> Singles:
         settings = {**simulation.plan.settings, "threads": 1}
         return simulation.tiles.map(
             lambda tile, some: simulation.tracer.trace(tile, some, **settings), simulation.reduced, poses
@@ -151,5 +149,5 @@ def sweep_settings(
     ]
 
 
-def _bound(trace: Callable[..., Record], arrays: SceneArrays, **settings: float) -> Callable[[Poses], Record]:
+def _bound(trace: Callable[..., Singles], arrays: SceneArrays, **settings: float) -> Callable[[Poses], Singles]:
     return partial(trace, arrays, threads=1, **settings)

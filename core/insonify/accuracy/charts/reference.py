@@ -7,8 +7,8 @@ from time import process_time
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Singles
 from insonify.kernels.common.types import Poses, SceneArrays, no_surface_multipath
 from insonify.parallel import count_threads
 from insonify.statistics.record_errors import compare_records
@@ -24,13 +24,11 @@ RAYS_A_SHEET = 16  # rays per sheet of a fan at which both parts of the error ar
 # Order of the error in the number of rays, from which the next number is predicted.
 SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
-Record = NDArray[np.float32]
-
 
 class Reference(NamedTuple):
     """Record by exact rays against which errors are computed."""
 
-    record: Record  # (n, 2, bins) record with the most rays
+    record: Singles  # (n, 2, bins) record with the most rays
     # Change of the record by the last doubling of its rays, as a share of it beyond 1.4 times the altitude.
     moved: float
     rays: int  # number of rays per side
@@ -46,7 +44,7 @@ class Reference(NamedTuple):
 def refine_reference(
     arrays: SceneArrays,
     poses: Poses,
-    shown: Sequence[Record],
+    shown: Sequence[Singles],
     *,
     seconds: float,
     progress: Callable[[float], None] = lambda share: None,
@@ -87,13 +85,13 @@ def name_rays(arrays: SceneArrays) -> str:
 
 def trace_exact_rays(
     arrays: SceneArrays, poses: Poses, count: int, report: Callable[[], None] = lambda: None
-) -> Record:
+) -> Singles:
     """Trace with a number of exact rays per side, pings in parallel."""
     # First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray
     # by ray altogether. ``report`` is called after every ping and may raise to stop.
     first = arrays._replace(multipath=no_surface_multipath())
 
-    def single(pose: Poses) -> Record:
+    def single(pose: Poses) -> Singles:
         if arrays.bounces:
             return rays.trace(arrays, pose, rays=count, threads=1)
         # An even number: a beam with a pattern has half of its sheets in the main lobe.

@@ -31,6 +31,25 @@ class Measured(NamedTuple):
         return cls(float(error(failing)), float(error(right)), picture)
 
 
+class Quantity(NamedTuple):
+    """Quantity that is measured."""
+
+    name: str
+    unit: str = ""  # empty for a pure number
+
+    def format(self, value: float) -> str:
+        """Format a value with the unit."""
+        if math.isnan(value):
+            return "not a number"
+        after = f" {self.unit}" if self.unit else ""
+        if math.isinf(value):
+            return f"infinite{after}"
+        if value == 0.0 or 1e-3 <= abs(value) < 1e5:
+            return f"{float(f'{value:.3g}'):g}{after}".replace("-", "−")
+        mantissa, exponent = f"{value:.1e}".split("e")
+        return f"{mantissa} × 10{str(int(exponent)).translate(SUPERSCRIPTS)}{after}"
+
+
 class Approach(NamedTuple):
     """Method of a case with its bound, which the failing method exceeds and the right one keeps."""
 
@@ -44,8 +63,7 @@ class StabilityCase:
 
     name: str  # name of the failure
     trigger: str  # cause of the failure, in one sentence
-    figure: str  # quantity that is measured
-    unit: str  # unit of that quantity, empty for a pure number
+    quantity: Quantity  # what is measured
     failing: Approach  # common method, and the method of this program
     right: Approach
     measure: Callable[[], Measured]  # runs both methods
@@ -61,12 +79,12 @@ class StabilityTheme:
     cases: list[StabilityCase] = field(default_factory=list)  # cases in order
 
     def case(
-        self, name: str, trigger: str, figure: str, unit: str, *, failing: Approach, right: Approach, scene: str = ""
+        self, name: str, trigger: str, quantity: Quantity, *, failing: Approach, right: Approach, scene: str = ""
     ) -> Callable[[Callable[[], Measured]], StabilityCase]:
         """Make a case of a function that measures it, and add it to the theme."""
 
         def add(measure: Callable[[], Measured]) -> StabilityCase:
-            case = StabilityCase(name, trigger, figure, unit, failing, right, cache(measure), scene)
+            case = StabilityCase(name, trigger, quantity, failing, right, cache(measure), scene)
             self.cases.append(case)
             return case
 
@@ -90,6 +108,11 @@ class Outcome(NamedTuple):
         return self.measured.right <= self.case.right.bound
 
     @property
+    def holds(self) -> bool:
+        """Whether the failure is shown, and the right method keeps its bound."""
+        return self.is_held and self.is_shown
+
+    @property
     def verdict(self) -> str:
         """Verdict in a few words."""
         if not self.is_held:
@@ -100,16 +123,3 @@ class Outcome(NamedTuple):
 def percent(mask: Any) -> float:
     """Percentage of true values."""
     return float(100.0 * np.mean(mask))
-
-
-def format_quantity(value: float, unit: str) -> str:
-    """Format a quantity with its unit."""
-    if math.isnan(value):
-        return "not a number"
-    after = f" {unit}" if unit else ""
-    if math.isinf(value):
-        return f"infinite{after}"
-    if value == 0.0 or 1e-3 <= abs(value) < 1e5:
-        return f"{float(f'{value:.3g}'):g}{after}".replace("-", "−")
-    mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa} × 10{str(int(exponent)).translate(SUPERSCRIPTS)}{after}"

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Floats
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.scene_arrays import make_bed
 from insonify.scene import Scene, SceneError, edit
@@ -52,7 +53,7 @@ def make_pose(x: float, y: float, z: float, heading: float = 0.0) -> Poses:
     return Poses(*(np.array([value]) for value in (x, y, z, heading, 0.0, 0.0)))
 
 
-def sweep_port(arrays: SceneArrays, pose: Poses, **options: Any) -> NDArray[np.float64]:
+def sweep_port(arrays: SceneArrays, pose: Poses, **options: Any) -> Floats:
     """Record of the port side of one ping by the sweep, (bins,)."""
     return sweep.trace(arrays, pose, **options)[0, 0].astype(np.float64)
 

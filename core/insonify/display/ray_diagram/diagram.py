@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.water import SoundSpeedField
+from insonify.arrays import Booleans, Floats
 
-Values = NDArray[np.float64]
 # Colours from slow to fast water: red, green and blue.
 WATER = ((186, 214, 236), (228, 239, 246), (252, 246, 235), (249, 226, 190))
 
@@ -18,9 +17,9 @@ class DiagramRay:
     """Ray with its points in a vertical plane."""
 
     angle: float  # launch angle in degrees below the horizontal
-    range: Values  # (n,) points of the ray in metres, and travel time to each in seconds; the sonar is the first
-    depth: Values
-    time: Values
+    range: Floats  # (n,) points of the ray in metres, and travel time to each in seconds; the sonar is the first
+    depth: Floats
+    time: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +41,9 @@ class RayDiagram:
     bottom: float
     reach: float
     rays: tuple[DiagramRay, ...]  # rays at round launch angles
-    shadow: NDArray[np.bool_]  # (rows, columns) cells that no direct ray reaches, by depth (surface first) and range
-    dark: Values  # (n, 2) begin and end of the ranges at which none reaches the bed, in metres
-    caustics: Values  # (k, 2) ranges and depths at which neighbouring rays cross, in metres
+    shadow: Booleans  # (rows, columns) cells that no direct ray reaches, by depth (surface first) and range
+    dark: Floats  # (n, 2) begin and end of the ranges at which none reaches the bed, in metres
+    caustics: Floats  # (k, 2) ranges and depths at which neighbouring rays cross, in metres
     target: tuple[float, float] | None  # (float, float) range and depth of the point to which eigenrays are searched
     eigenrays: tuple[DiagramEigenray, ...]  # eigenrays by launch angle, the steepest upwards first
     limits: tuple[str, ...]  # ways in which the scene leaves the range of a formula for its water, as sentences
@@ -59,7 +58,7 @@ def compute_speed_limits(diagram: RayDiagram) -> tuple[float, float]:
     return float(speed.min()) - room, float(speed.max()) + room
 
 
-def place_along_axis(layers: SoundSpeedField, distance: Values) -> tuple[Values, Values]:
+def place_along_axis(layers: SoundSpeedField, distance: Floats) -> tuple[Floats, Floats]:
     """Coordinates x and y at distances along the line of a section's stations, in metres."""
     cos, sin = layers.axis
     return cos * distance, sin * distance

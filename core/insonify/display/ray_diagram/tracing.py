@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.acoustics.water import make_sound_speed_field, make_water
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.display.ray_diagram.diagram import DiagramEigenray, DiagramRay, RayDiagram
 from insonify.kernels.common.types import Water
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME, TUBE
 from insonify.kernels.refraction.ray_paths import AT_SURFACE, ON_BED, RayLimits
 from insonify.scene import Scene, SceneError
 
-Values = NDArray[np.float64]
 ACROSS = 480  # columns of the shadow's picture, along the range
 POINTS = 241  # of each ray
 STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
@@ -71,7 +71,7 @@ def trace_ray_diagram(
     )
 
 
-def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: RayLimits) -> tuple[DiagramRay, ...]:
+def _paths(water: Water, bottom: float, depth: float, angles: Floats, limits: RayLimits) -> tuple[DiagramRay, ...]:
     """Trace rays to their ends; the sonar is their first point."""
     ranges = np.linspace(0.0, limits.x, POINTS)
     points, _ = follow_paths(water, bottom - depth, -np.radians(angles), ranges, limits)
@@ -98,7 +98,7 @@ def _eigenrays(water: Water, bottom: float, depth: float, target: tuple[float, f
     return tuple(found[::-1])
 
 
-def _caustics(fan: RayFan, bottom: float) -> Values:
+def _caustics(fan: RayFan, bottom: float) -> Floats:
     """Points at which the tube of a ray changes sign between two points of the ray."""
     with np.errstate(invalid="ignore"):
         closes = fan.tube[:, 1:-1] * fan.tube[:, 2:] < 0.0
@@ -114,11 +114,11 @@ def _caustics(fan: RayFan, bottom: float) -> Values:
 class RayFan:
     """Heights and tubes of a fan of rays by launch angle and range, and the cells that it reaches."""
 
-    ranges: Values  # (m,) metres
-    height: Values  # (n, m) height of each ray in metres and its tube q in m/rad, NaN after its end
-    tube: Values
-    lit: NDArray[np.bool_]  # (cells, m) where there is a ray or one between two of them, lowest cell first
-    dark: Values  # (k, 2) beginning and end of the ranges at which no ray meets the bed, in metres
+    ranges: Floats  # (m,) metres
+    height: Floats  # (n, m) height of each ray in metres and its tube q in m/rad, NaN after its end
+    tube: Floats
+    lit: Booleans  # (cells, m) where there is a ray or one between two of them, lowest cell first
+    dark: Floats  # (k, 2) beginning and end of the ranges at which no ray meets the bed, in metres
 
 
 def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> RayFan:
@@ -149,14 +149,14 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
 class _Rays(NamedTuple):
     """Rays of a fan with their ends."""
 
-    angle: Values  # (n,) of launch, rad
-    height: Values  # (n, m)
-    tube: Values  # (n, m)
-    last: Values  # (n,) range at which it ends, m
-    end: NDArray[np.int64]  # (n,)
+    angle: Floats  # (n,) of launch, rad
+    height: Floats  # (n, m)
+    tube: Floats  # (n, m)
+    last: Floats  # (n,) range at which it ends, m
+    end: Integers  # (n,)
 
 
-def _trace(water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits) -> _Rays:
+def _trace(water: Water, height: float, angles: Floats, ranges: Floats, limits: RayLimits) -> _Rays:
     points, ends = follow_paths(water, height, angles, ranges, limits)
     # Each row has one more point, where the ray ends; ranges beyond it are unused.
     beyond = points.x[:, : ranges.size] != ranges
@@ -174,7 +174,7 @@ def _joined(parts: list[_Rays]) -> _Rays:
     return _Rays(*(np.concatenate(columns) for columns in zip(*parts)))
 
 
-def _dark(rays: _Rays, reach: float) -> Values:
+def _dark(rays: _Rays, reach: float) -> Floats:
     """Stretches of range in which no pair of neighbours meets the bed."""
     both = (rays.end[:-1] == ON_BED) & (rays.end[1:] == ON_BED) & (np.diff(rays.angle) > ONE)
     ends = np.sort(np.stack([rays.last[:-1][both], rays.last[1:][both]], axis=1), axis=1)
@@ -185,7 +185,7 @@ def _dark(rays: _Rays, reach: float) -> Values:
     return np.column_stack([reached[gaps], begins[gaps]])
 
 
-def _lit(rays: _Rays, limits: RayLimits, cell: float) -> NDArray[np.bool_]:
+def _lit(rays: _Rays, limits: RayLimits, cell: float) -> Booleans:
     """Fill the cells between neighbours; two that end on the bed or at the surface enclose the cells up to it."""
     height, ends = rays.height, rays.end
     first, last = height[:-1], height[1:]

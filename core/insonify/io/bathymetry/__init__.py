@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
@@ -38,7 +39,7 @@ class Grid:
 
     # (ny, nx) metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x,
     # both increasing.
-    heights: NDArray[np.float64]
+    heights: Floats
     # (float, float) metres between nodes along x and y; None if the file has none.
     spacing: tuple[float, float] | None = None
     # (float, float) map coordinates of node (0, 0); None if the file has none.
@@ -82,7 +83,7 @@ def _read_sample(path: str) -> Grid:
     return Grid(np.ascontiguousarray(heights[::-1]) if northern_first else heights)
 
 
-def _check_nodata(heights: NDArray[np.float64]) -> None:
+def _check_nodata(heights: Floats) -> None:
     """Raise FileFault for an undeclared customary nodata value that stands alone or far from all other heights."""
     for value in (heights.min(), heights.max()):
         others = heights[heights != value]
@@ -93,7 +94,7 @@ def _check_nodata(heights: NDArray[np.float64]) -> None:
             )
 
 
-def check_heights(array: NDArray[Any]) -> NDArray[np.float64]:
+def check_heights(array: NDArray[Any]) -> Floats:
     """Check an array of heights and replace infinite values by NaN."""
     if array.ndim != 2:
         raise FileFault(f"has {array.ndim} dimensions", "save the heights as a 2-D array")

@@ -6,15 +6,15 @@ A format is one module here that holds a `FileFormat`.
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats, Integers
 from insonify.files import bundled_meshes, kept_until_changed
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
 __all__ = ["MESHES", "has_area", "read_mesh"]
 
-MESHES: FormatRegistry[NDArray[np.float64]] = FormatRegistry(
+MESHES: FormatRegistry[Floats] = FormatRegistry(
     "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
 )
 MOST_TRIANGLES = 2_000_000  # more must be decimated first
@@ -22,13 +22,13 @@ FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are
 FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
 
 
-def read_mesh(path: str) -> NDArray[np.float64]:
+def read_mesh(path: str) -> Floats:
     """Read the triangles of a file."""
     return _read_triangles(str(bundled_meshes().get(path, Path(path))))
 
 
 @kept_until_changed(maxsize=8)
-def _read_triangles(path: str) -> NDArray[np.float64]:
+def _read_triangles(path: str) -> Floats:
     with MESHES.guarded(path):
         corners = MESHES.read(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")
         if len(corners) > MOST_TRIANGLES:
@@ -41,7 +41,7 @@ def _read_triangles(path: str) -> NDArray[np.float64]:
     return _wind_outwards(corners)
 
 
-def has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+def has_area(corners: Floats) -> Booleans:
     """Whether triangles have an area beyond rounding error."""
     edges = corners - np.roll(corners, 1, axis=1)
     longest_squared = (edges**2).sum(axis=2).max(axis=1)
@@ -49,7 +49,7 @@ def has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray(area > FLAT * longest_squared)
 
 
-def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _wind_outwards(corners: Floats) -> Floats:
     """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside."""
     n = len(corners)
     first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
@@ -68,7 +68,7 @@ def _wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
 
 
-def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
+def _numbered(points: Floats) -> Integers:
     """Return the number of each point among the distinct points, from 0."""
     order = np.lexsort(points.T)
     is_new = np.any(np.diff(points[order], axis=0) != 0.0, axis=1)
@@ -77,7 +77,7 @@ def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
     return number
 
 
-def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     """Pairs of triangles with an edge that no third one shares, and whether they run along it in opposite senses."""
     begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     forward = begin < end
@@ -88,7 +88,7 @@ def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np
     return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
 
 
-def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def _components(first: Integers, second: Integers, n: int) -> Integers:
     """Find the connected component of each of n nodes with links between pairs."""
     # lazy: SciPy's sparse graphs, which only meshes need
     from scipy.sparse import coo_array

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from urllib.parse import unquote
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.file_access import FileFault, companion, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.meshes import MOST_TRIANGLES
@@ -42,7 +42,7 @@ class _Companions(Mapping[str, bytes]):
         return 0
 
 
-def read_z_up(path: str) -> NDArray[np.float64]:
+def read_z_up(path: str) -> Floats:
     """Corners of all triangles of a file with z up, (n, 3, 3)."""
     import trimesh  # slow to import, and only meshes need it
 
@@ -65,7 +65,7 @@ def _check_count(header: bytes, size: int) -> None:
         raise FileFault(f"has {count} triangles", f"thin it to at most {MOST_TRIANGLES}")
 
 
-def read_y_up(path: str) -> NDArray[np.float64]:
+def read_y_up(path: str) -> Floats:
     """Corners of all triangles of a file with y up, rotated to z up, (n, 3, 3)."""
     return read_z_up(path)[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 

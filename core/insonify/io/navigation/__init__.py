@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 from insonify.io.georeference import Georeference, from_degrees, local_georeference
@@ -29,8 +29,7 @@ LIMITS = {
     "longitude": ("°", 360.0),
     "latitude": ("°", 90.0),
 }
-Column = NDArray[np.float64]
-Columns = dict[str, Column]
+Columns = dict[str, Floats]
 NAVIGATION: FormatRegistry[Columns] = FormatRegistry(
     "a recorded navigation",
     "insonify.io.navigation",
@@ -43,9 +42,9 @@ NAVIGATION: FormatRegistry[Columns] = FormatRegistry(
 class RecordedNavigation:
     """Position and attitude of the sonar over time; a file may have only some of them."""
 
-    time: Column  # (n,) seconds since the first row, increasing; at least two rows
+    time: Floats  # (n,) seconds since the first row, increasing; at least two rows
     # Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.
-    columns: Mapping[str, Column]
+    columns: Mapping[str, Floats]
     place: Georeference | None = None  # where x and y lie on Earth; None if they are those of the scene
 
 
@@ -77,7 +76,7 @@ def read_navigation(path: str) -> RecordedNavigation:
         return RecordedNavigation(time - time[0], found, place)
 
 
-def _check_columns(found: Mapping[str, Column]) -> None:
+def _check_columns(found: Mapping[str, Floats]) -> None:
     """Raise FileFault for columns that cannot be interpolated: gaps, unknown units, unsorted times."""
     time = found["time"]
     if time.size < 2:

@@ -7,17 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from insonify.arrays import Dataset
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 from insonify.io.record_block import Record, as_block, as_dataset
 from insonify.io.record_schema import ACROSS, CHANNELS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["RECORDS", "read_record", "write_record"]
 
@@ -29,7 +27,7 @@ NEEDED = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
 OPTIONAL_VALUES = ("platform_altitude",)  # may be NaN for some pings or all
 
 
-def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
+def read_record(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a record by the suffix of its file."""
     selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     with RECORDS.guarded(path, "give a record written by insonify"):
@@ -48,7 +46,7 @@ def write_record(path: str | Path, blocks: Iterable[Record], **options: str) -> 
     RECORDS.write(Path(path), map(turned, blocks), **options)
 
 
-def _fault(record: xr.Dataset) -> str | None:
+def _fault(record: Dataset) -> str | None:
     """Return why a dataset cannot be drawn as a record; None if it can."""
     lacking = [name for name in NEEDED if name not in record.variables]
     if lacking:

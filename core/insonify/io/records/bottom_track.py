@@ -1,15 +1,10 @@
 """Bottom track: altitude of the sonar from the first echo of the bed in the record itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    import xarray as xr
+from insonify.arrays import Dataset, Floats, Integers, Singles
 
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
@@ -19,7 +14,7 @@ GROUP = 16  # pings that are split into loud and quiet bins together
 FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which there is no bottom track
 
 
-def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
+def find_altitude(record: Dataset) -> Floats:
     """Return the altitude at every ping in metres: the recorded one, else the bottom track of the record itself."""
     # Pings without a recorded altitude get the lowest one of the others.
     altitude = record["platform_altitude"].values.astype(np.float64)
@@ -28,9 +23,7 @@ def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
     return complete_altitude(altitude, record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
 
 
-def complete_altitude(
-    altitude: NDArray[np.float64], intensity: NDArray[np.float32], bin_length: float
-) -> NDArray[np.float64]:
+def complete_altitude(altitude: Floats, intensity: Singles, bin_length: float) -> Floats:
     """Complete recorded altitudes: where some are unknown, by the lowest one; where all are, by the bottom track."""
     known = altitude[np.isfinite(altitude)]
     if known.size:
@@ -38,7 +31,7 @@ def complete_altitude(
     return track_bottom(intensity, bin_length)
 
 
-def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[np.float64]:
+def track_bottom(intensity: Singles, bin_length: float) -> Floats:
     """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar."""
     # Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
     # bins before it and loud ones behind. Its course along the track is the one with the fewest misclassified bins,
@@ -56,7 +49,7 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
 
 
-def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
+def _kinds(intensity: Singles) -> Floats:
     """Which bins are loud (1) or quiet (-1) on both sides together, (pings, bins); 0 throughout a ping without echo."""
     # The threshold of a ping is the middle of the mean levels of its two classes by Otsu's threshold of the group.
     from skimage import filters  # slow to import, and few commands need it
@@ -77,7 +70,7 @@ def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
     return np.where(level > 0.5 * (loud + quiet), 1.0, -1.0) * varied
 
 
-def _contrast(intensity: NDArray[np.float32], edges: NDArray[np.int64], width: int) -> NDArray[np.float64]:
+def _contrast(intensity: Singles, edges: Integers, width: int) -> Floats:
     """Ratio of the mean energies behind and before the edges, over as many bins on either side, in dB; 0 at bin 0."""
     pairs = (
         (intensity[:, ping, edge : edge + width].sum(), intensity[:, ping, max(edge - width, 0) : edge].sum())
@@ -88,7 +81,7 @@ def _contrast(intensity: NDArray[np.float32], edges: NDArray[np.int64], width: i
     return 10.0 * np.log10(ratio) * (edges > 0)
 
 
-def _steadiest(scores: Iterator[NDArray[np.float64]], pings: int) -> NDArray[np.int64]:
+def _steadiest(scores: Iterator[Floats], pings: int) -> Integers:
     """Bins of the course with the greatest score in all, less the cost of its changes."""
     # The best predecessor of every bin at a linear cost follows from running maxima from either side.
     first = next(scores)

@@ -3,22 +3,18 @@
 Offsets and units of fields: EdgeTech, JSF Data File Description, 0023492 rev. M (2024).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes, Dataset, Singles
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat
 from insonify.io.records import recording
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MARKER, SONAR_DATA = 0x1601, 80
 SIDE_SCAN = (20, 21, 22)  # subsystems: low, high and very high frequency
@@ -61,7 +57,7 @@ class _Trace(NamedTuple):
     side: recording.SideEchoes
 
 
-def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
+def read_jsf(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a side-scan recording of EdgeTech."""
     # Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
     path = Path(path)
@@ -85,7 +81,7 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     return recording.assemble(path, list(sides.values()), track)
 
 
-def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
+def _traces(path: Path, content: Bytes) -> Iterator[_Trace]:
     """Yield the side-scan traces, message by message."""
     at, whole = 0, 0
     while at < content.size:
@@ -103,7 +99,7 @@ def _traces(path: Path, content: NDArray[np.uint8]) -> Iterator[_Trace]:
         at += MESSAGE.itemsize + body.size
 
 
-def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
+def _trace(message: Any, body: Bytes) -> _Trace:
     """Scale the samples of a message and determine their slant range."""
     if body.size < TRACE.itemsize:
         raise FileFault("has a ping too short for its header", "export it again")
@@ -124,7 +120,7 @@ def _trace(message: Any, body: NDArray[np.uint8]) -> _Trace:
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
-def _envelope(header: Any, count: int, body: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _envelope(header: Any, count: int, body: Bytes) -> Singles:
     """Return the amplitudes of a message."""
     kind = int(header["format"])
     if kind not in (ENVELOPE, ANALYTIC):
@@ -170,7 +166,7 @@ def _fixes(headers: NDArray[Any]) -> recording.Fixes:
     return recording.Fixes(x, y, unit == MINUTES)
 
 
-def _valid(headers: NDArray[Any], bit: int) -> NDArray[np.bool_]:
+def _valid(headers: NDArray[Any], bit: int) -> Booleans:
     """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)

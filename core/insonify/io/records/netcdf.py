@@ -1,25 +1,21 @@
 """Records as netCDF, written block by block, so that memory does not grow with the number of pings."""
 
-from __future__ import annotations
-
 import errno
 import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Dataset
 from insonify.io.file_access import FileFault, check_expansion, one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.isolation import run_isolated
 from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
 from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ALONG = "ping_time"
 CHUNK_BYTES = 1e6
@@ -43,7 +39,7 @@ def write_netcdf(path: str | Path, blocks: Iterable[RecordBlock], *, compression
             file.close()
 
 
-def read_netcdf(path: str | Path) -> xr.Dataset:
+def read_netcdf(path: str | Path) -> Dataset:
     """Read a record written by `write_netcdf`."""
     import xarray as xr  # slow to import too
 

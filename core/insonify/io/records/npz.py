@@ -1,22 +1,18 @@
 """Records as NumPy archives, one array for each variable."""
 
-from __future__ import annotations
-
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Dataset
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
 from insonify.io.record_block import RecordBlock, make_record_block
 from insonify.io.record_schema import ACROSS, TARGET_TRUTH, dimensions_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ALONG = "ping_time"
 ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
@@ -57,7 +53,7 @@ def _write_joined(archive: zipfile.ZipFile, name: str, parts: list[NDArray[Any]]
                 file.write(np.ascontiguousarray(part[index], dtype).reshape(-1).view(np.uint8).data)
 
 
-def read_npz(path: str | Path) -> xr.Dataset:
+def read_npz(path: str | Path) -> Dataset:
     """Read a record written by `write_npz`."""
     with Archive(str(path)) as stored:
         arrays = {name: stored[name] for name in stored.names}

@@ -1,25 +1,20 @@
 """Recordings of real sonars: positions with gaps, and the pings of one frequency on a common grid of slant range."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Dataset, Floats, Singles
 from insonify.errors import FileWarning
 from insonify.io.file_access import FileFault
 from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
 PLAUSIBLE_SPEEDS = (1300.0, 1700.0)  # m/s
@@ -29,13 +24,11 @@ NEAR = 0.1  # relative difference of two frequencies that count as the same
 FARTHEST = 1e8  # m, of any map's coordinates
 DAY = 86400.0  # s
 
-Column = NDArray[np.float64]
-
 
 class SideEchoes(NamedTuple):
     """Echoes of one side of one ping."""
 
-    amplitude: NDArray[np.float32]  # (samples,) near to far
+    amplitude: Singles  # (samples,) near to far
     slant_range: float  # m, of its last edge
     sound_speed: float  # m/s, as the sonar assumed it
 
@@ -43,8 +36,8 @@ class SideEchoes(NamedTuple):
 class RecordedTrack(NamedTuple):
     """Time, position and attitude of pings, and further attributes of a recording."""
 
-    times: Column  # (pings,) s since the first
-    columns: Sequence[Column]  # in the order and units of PLATFORM
+    times: Floats  # (pings,) s since the first
+    columns: Sequence[Floats]  # in the order and units of PLATFORM
     attributes: dict[str, Any]
 
 
@@ -54,7 +47,7 @@ def plausible_speed(*speeds: float) -> float:
     return next((speed for speed in speeds if low <= speed <= high), DEFAULT_SPEED)
 
 
-def check_amplitude(ping: int, amplitude: NDArray[np.float32]) -> None:
+def check_amplitude(ping: int, amplitude: Singles) -> None:
     """Raise FileFault for samples that are not finite, or too large for their square to be stored."""
     if not (np.isfinite(amplitude).all() and amplitude.max() < LOUDEST):
         raise FileFault(f"has samples in ping {ping} that are not echoes", "export it again")
@@ -93,12 +86,12 @@ class Fixes(NamedTuple):
 
     # (pings,) longitude and latitude in degrees, or easting and northing in metres; both 0 or not finite without
     # a fix.
-    x: Column
-    y: Column
+    x: Floats
+    y: Floats
     degrees: bool
 
     @property
-    def known(self) -> NDArray[np.bool_]:
+    def known(self) -> Booleans:
         """Which pings have a fix: not zero, and within the map."""
         widest, highest = (180.0, 90.0) if self.degrees else (FARTHEST, FARTHEST)
         inside = (np.abs(self.x) <= widest) & (np.abs(self.y) <= highest)
@@ -113,7 +106,7 @@ class Fixes(NamedTuple):
         first = float(self.x[np.argmax(known)]), float(self.y[np.argmax(known)])
         return local_georeference(*first) if self.degrees else Georeference("", first)
 
-    def positions(self, times: Column) -> tuple[Column, Column] | None:
+    def positions(self, times: Floats) -> tuple[Floats, Floats] | None:
         """Metres east and north of the first fix at every ping; None without any."""
         # Fixes repeat because they are rarer than pings; positions between them are interpolated over time.
         place, moved = self.place, self.known
@@ -130,7 +123,7 @@ class Fixes(NamedTuple):
         return fill_gaps(east, moved, times), fill_gaps(north, moved, times)
 
 
-def fill_gaps(values: Column, known: NDArray[np.bool_], at: Column | None = None) -> Column:
+def fill_gaps(values: Floats, known: Booleans, at: Floats | None = None) -> Floats:
     """Interpolate unknown values; NaN if all are unknown."""
     if not known.any():
         return np.full(values.shape, np.nan)
@@ -138,13 +131,13 @@ def fill_gaps(values: Column, known: NDArray[np.bool_], at: Column | None = None
     return np.interp(at, at[known], values[known])
 
 
-def heading_from_compass(compass: Column, known: NDArray[np.bool_]) -> Column:
+def heading_from_compass(compass: Floats, known: Booleans) -> Floats:
     """Return headings counter-clockwise from east, within 180° of it, from bearings clockwise from north; degrees."""
     heading = 90.0 - np.degrees(np.unwrap(np.radians(fill_gaps(compass, known))))
     return (heading + 180.0) % 360.0 - 180.0
 
 
-def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:
+def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
     sides = [side for ping in pings for side in ping.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]
@@ -171,7 +164,7 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
     ).to_dataset()
 
 
-def _lay(row: NDArray[np.float32], side: SideEchoes, bin_length: float) -> None:
+def _lay(row: Singles, side: SideEchoes, bin_length: float) -> None:
     """Store a side in its row; one of another bin length is interpolated."""
     samples, step = side.amplitude, side.slant_range / side.amplitude.size
     if abs(side.slant_range - samples.size * bin_length) < 0.5 * bin_length:

@@ -4,25 +4,21 @@ pyxtf defines the layout of the packets. Packets are walked here, because the lo
 the file (a pickle), on lengths that may be zero, and on the order of channels.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Bytes, Dataset, Floats
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.records import recording
 from insonify.io.records.xtf_writer import DEGREES, KNOT, PROGRAM, SAMPLE_TYPES, counts, write_xtf
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
@@ -40,7 +36,7 @@ class _Ping(NamedTuple):
     frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
-def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
+def read_xtf(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a side-scan recording."""
     # Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
     # the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square
@@ -68,7 +64,7 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     return recording.assemble(path, [ping.bands[band] for ping in pings], track)
 
 
-def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Ping]:
+def _pings(path: Path, content: Bytes, header: Any) -> Iterator[_Ping]:
     """Yield the pings with a side-scan channel, packet by packet."""
     from pyxtf import XTFPacketStart, XTFPingHeader
 
@@ -98,7 +94,7 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
         at += packet.NumBytesThisRecord
 
 
-def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
+def _read_ping(header: Any, ping: Any, body: Bytes) -> _Ping:
     """Read the port and starboard channels of a ping."""
     from pyxtf import XTFPingChanHeader
 
@@ -124,7 +120,7 @@ def _read_ping(header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
     return found
 
 
-def _samples(info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
+def _samples(info: Any, channel: Any, body: Bytes) -> tuple[NDArray[Any], int]:
     """Return the samples of a channel in stored order, and their length in bytes."""
     kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else BY_BYTES.get(info.BytesPerSample)
     if kind is None:
@@ -174,7 +170,7 @@ def _track(header: Any, headers: list[Any]) -> recording.RecordedTrack:
     return recording.RecordedTrack(times, _platform_columns(headers, times, fixes), attributes)
 
 
-def _seconds(headers: list[Any]) -> recording.Column:
+def _seconds(headers: list[Any]) -> Floats:
     """Seconds from the first ping to each, by the time of day, because dates are often wrong."""
     # The clock resolves 10 ms; a recording without a clock gets one ping a second.
     clock = (
@@ -188,9 +184,7 @@ def _seconds(headers: list[Any]) -> recording.Column:
     return np.unwrap(clock, period=recording.DAY) - clock[0]
 
 
-def _platform_columns(
-    headers: list[Any], times: recording.Column, fixes: recording.Fixes
-) -> tuple[recording.Column, ...]:
+def _platform_columns(headers: list[Any], times: Floats, fixes: recording.Fixes) -> tuple[Floats, ...]:
     """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
@@ -211,12 +205,12 @@ def _platform_columns(
     )  # fmt: skip
 
 
-def _column(headers: list[Any], name: str, unknown: float = 0.0) -> recording.Column:
+def _column(headers: list[Any], name: str, unknown: float = 0.0) -> Floats:
     values = np.array([getattr(header, name) for header in headers], dtype=np.float64)
     return np.where(np.isfinite(values), values, unknown)
 
 
-def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> recording.Column:
+def _first_of(headers: list[Any], *names: str, unknown: float = 0.0) -> Floats:
     """First of several columns that is not all zero."""
     columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])

@@ -22,6 +22,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Floats, Singles
 from insonify.io.georeference import Georeference, convergence, find_georeference, to_degrees
 from insonify.io.record_block import RecordBlock
 from insonify.io.record_schema import PLATFORM
@@ -60,8 +61,8 @@ class _Survey(NamedTuple):
     """A whole record without its echoes."""
 
     attributes: Mapping[str, Any]
-    times: NDArray[np.float64]  # (pings,) s
-    platform: dict[str, NDArray[np.float64]]  # (pings,) each, by the names of PLATFORM
+    times: Floats  # (pings,) s
+    platform: dict[str, Floats]  # (pings,) each, by the names of PLATFORM
     slant_range: float  # m, of the far edge of the last bin
     duration: float  # s, two-way, to that edge
     bins: int
@@ -169,7 +170,7 @@ def _set_time(header: Any, time: datetime) -> None:
     header.FixTimeHsecond = hundredths
 
 
-def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
+def _navigation(survey: _Survey) -> dict[str, Floats]:
     """Return the fields of navigation by their names in a ping header; 0 where the record has none."""
     platform, place = survey.platform, find_georeference(survey.attributes) or NOWHERE
     x, y = platform["platform_x"], platform["platform_y"]
@@ -195,7 +196,7 @@ def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
     }  # fmt: skip
 
 
-def _packet(header: Any, survey: _Survey, sides: NDArray[np.float32], kind: SampleType, unit: float) -> bytes:
+def _packet(header: Any, survey: _Survey, sides: Singles, kind: SampleType, unit: float) -> bytes:
     """Return a ping with both channels, padded with zeros."""
     body = b""
     for number, amplitude in enumerate(sides):

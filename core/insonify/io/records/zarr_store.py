@@ -1,27 +1,23 @@
 """Records as Zarr stores (version 3), one shard for a block of pings, written shard by shard."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from insonify.arrays import Dataset
 from insonify.io.file_access import check_expansion
 from insonify.io.formats import FileFormat
 from insonify.io.record_schema import CONVENTIONS, join_blocks
 from insonify.io.records.netcdf import NUMBER
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 ALONG = "ping_time"
 CHUNK, SHARD = 64, 1024  # pings that are read together, and pings in one file
 
 
-def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+def write_zarr(path: str | Path, blocks: Iterable[Dataset]) -> None:
     """Write a record shard by shard, so that memory does not grow with the number of pings."""
     import zarr  # slow to import, and no other format needs it
 
@@ -38,7 +34,7 @@ def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
         zarr.consolidate_metadata(path, zarr_format=3)
 
 
-def read_zarr(path: str) -> xr.Dataset:
+def read_zarr(path: str) -> Dataset:
     """Read a record from a Zarr store, such as `write_zarr` makes."""
     import xarray as xr  # slow to import too
     import zarr
@@ -50,7 +46,7 @@ def read_zarr(path: str) -> xr.Dataset:
         return record.load()
 
 
-def _layout(part: xr.Dataset) -> dict[str, dict[str, Any]]:
+def _layout(part: Dataset) -> dict[str, dict[str, Any]]:
     """Chunks and shards of the variables that grow with the pings."""
     return {
         str(name): {
@@ -62,9 +58,9 @@ def _layout(part: xr.Dataset) -> dict[str, dict[str, Any]]:
     }
 
 
-def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
+def _regrouped(blocks: Iterable[Dataset], size: int) -> Iterator[Dataset]:
     """Yield the pings of blocks of any lengths in blocks of a given one; the last may be shorter."""
-    pending: list[xr.Dataset] = []
+    pending: list[Dataset] = []
     for block in blocks:
         pending.append(block)
         while sum(each.sizes[ALONG] for each in pending) >= size:

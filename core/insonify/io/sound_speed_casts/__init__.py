@@ -6,8 +6,8 @@ A format is one module here that holds a `FileFormat`.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
@@ -21,20 +21,19 @@ DEEPEST_SOAK = 30.0  # m, above which an instrument may wait until its sensors h
 PAUSE = 10.0  # times the median duration of a bin of depth that counts as waiting
 DESCENT = 0.5  # share of the range of depths that a descent covers at least
 
-Values = NDArray[np.float64]
 # Columns of a file by name: depth (m) and any of time (s), sound_speed (m/s), temperature (°C), salinity (practical).
 # NaN where a row has no value.
-Columns = dict[str, Values]
+Columns = dict[str, Floats]
 
 
 @dataclass(frozen=True, eq=False)
 class Cast:
     """A measured cast with sound speed, or temperature and salinity, or all three."""
 
-    depth: Values  # (n,) metres, increasing; at least two
-    sound_speed: Values | None  # (n,) m/s
-    temperature: Values | None  # (n,) °C, ITS-90
-    salinity: Values | None  # (n,) practical salinity
+    depth: Floats  # (n,) metres, increasing; at least two
+    sound_speed: Floats | None  # (n,) m/s
+    temperature: Floats | None  # (n,) °C, ITS-90
+    salinity: Floats | None  # (n,) practical salinity
 
 
 CASTS: FormatRegistry[Columns] = FormatRegistry(
@@ -87,7 +86,7 @@ def _used(columns: Columns) -> tuple[str, ...]:
     return ("depth", *used)
 
 
-def _way_down(depth: Values, time: Values | None) -> slice:
+def _way_down(depth: Floats, time: Floats | None) -> slice:
     """Rows of the descent: from its last start to the deepest row; all rows if there is none."""
     deepest = int(depth.argmax())
     # The last of the shallowest rows: rows before it belong to an ascent.
@@ -99,7 +98,7 @@ def _way_down(depth: Values, time: Values | None) -> slice:
     return slice(start, deepest + 1)
 
 
-def _after_soak(depth: Values, time: Values) -> int:
+def _after_soak(depth: Floats, time: Floats) -> int:
     """Row at which the descent continues after the last soak near the surface; 0 if there is none."""
     # An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
     levels = np.arange(depth[0], depth[-1], BIN)

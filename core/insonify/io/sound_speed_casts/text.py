@@ -8,11 +8,11 @@ import re
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
-from insonify.io.sound_speed_casts import ENCODING, Columns, Values
+from insonify.io.sound_speed_casts import ENCODING, Columns
 
 WIDTH = 11  # characters of a column, for tables without spaces between numbers
 BAD = -9.99e-29  # marks a missing value
@@ -61,7 +61,7 @@ def read_seabird(path: str) -> Columns:
     return _identified(known)
 
 
-def _table(text: str, names: list[str]) -> Values:
+def _table(text: str, names: list[str]) -> Floats:
     rows = []
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line[0] in "*#":
@@ -98,14 +98,14 @@ def _identified(known: Columns) -> Columns:
     return found
 
 
-def depth_of_pressure(pressure: Values) -> Values:
+def depth_of_pressure(pressure: Floats) -> Floats:
     """Return depths in metres from pressures in dbar (TEOS-10, at a middle latitude)."""
     import gsw  # lazy: only casts with pressure need it
 
     return np.asarray(-gsw.z_from_p(pressure, LATITUDE))
 
 
-def _add_of_pressure(known: Columns, found: Columns, pressure: Values) -> None:
+def _add_of_pressure(known: Columns, found: Columns, pressure: Floats) -> None:
     """Add depth from pressure (dbar) and salinity from conductivity where the file lacks them."""
     import gsw  # a fifth of a second
 
@@ -159,7 +159,7 @@ def _cells(line: str) -> list[str]:
     return [cell.strip().strip('"') for cell in line.split(separator)]
 
 
-def _numbers(line: str) -> Values:
+def _numbers(line: str) -> Floats:
     """Return the numbers of a line, NaN for cells without one."""
     return np.array([number_or_nan(cell) for cell in _cells(line)])
 
@@ -182,7 +182,7 @@ def number_or_nan(cell: str) -> float:
         return float("nan")
 
 
-def _by_values(table: Values) -> Columns:
+def _by_values(table: Floats) -> Columns:
     """Find the columns of depth and sound speed in a table without a header."""
     remedy = "put a line with the names of the columns first, depth and sound_speed among them"
     whole = [place for place in range(table.shape[1]) if np.isfinite(table[:, place]).all()]
@@ -195,7 +195,7 @@ def _by_values(table: Values) -> Columns:
     return {"depth": table[:, depths[0]], "sound_speed": table[:, speeds[0]]}
 
 
-def _is_depth(column: NDArray[np.float64]) -> bool:
+def _is_depth(column: Floats) -> bool:
     """Whether a column increases in most rows, over nearly its whole range."""
     steps = np.diff(column)
     return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)
@@ -230,7 +230,7 @@ def _log_cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split("\t" if "\t" in line else ",")]
 
 
-def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:
+def _row(line: str, places: dict[str, int]) -> Floats:
     """Return the numbers of a row in the order of the columns, NaN for cells without a number."""
     cells = _log_cells(line)
     used = (cells[place] if place < len(cells) else "" for place in places.values())

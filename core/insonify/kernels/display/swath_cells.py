@@ -1,32 +1,20 @@
 """Samples of a record added up in the cells of a map."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
 
 
-class SwathLines(NamedTuple):
-    """The pings of a record as lines on the map."""
-
-    nadir: NDArray[np.float64]  # (pings, 2) easting and northing below the sonar, m
-    ends: NDArray[np.float64]  # (pings, 2, 2) of the far ends of both sides, m, port first
-    reach: float  # ground range of the far ends, m
-    altitude: NDArray[np.float64]  # (pings,) m
-    amplitude: NDArray[np.float32]  # (pings, 2, bins)
-    bin_length: float  # m of slant range
-
-
 @kernel
-def add_samples(lines, corner, cell, longest, energy, ground_range, count):
+def add_samples(swath, corner, cell, longest, energy, ground_range, count):
     """Add the samples of a record, half a cell apart at most, to the cells that hold them.
 
     Parameters
     ----------
-    lines : SwathLines
+    swath : Swath
+        The pings of a record as lines on the map.
     corner : ndarray of float64, shape (2,)
         Lower left corner of the cells on the map, m.
     cell : float
@@ -38,30 +26,30 @@ def add_samples(lines, corner, cell, longest, energy, ground_range, count):
     count : ndarray of int64, shape (rows, columns)
         Samples of a cell, added to.
     """
-    step = min(0.5 * cell, lines.bin_length)
-    samples = max(math.ceil(lines.reach / step - 0.5), 0)
+    step = min(0.5 * cell, swath.bin_length)
+    samples = max(math.ceil(swath.reach / step - 0.5), 0)
     here, there = np.empty((2, samples)), np.empty((2, samples))
-    last = lines.altitude.size - 1
-    _read_energy(lines, 0, step, there)
+    last = swath.altitude.size - 1
+    _read_energy(swath, 0, step, there)
     for ping in range(last + 1):
         following = min(ping + 1, last)
         here[:] = there
-        _read_energy(lines, following, step, there)
-        moved = _distance(lines.nadir[ping], lines.nadir[following])
+        _read_energy(swath, following, step, there)
+        moved = _distance(swath.nadir[ping], swath.nadir[following])
         turned = max(
-            _distance(lines.ends[ping, 0], lines.ends[following, 0]),
-            _distance(lines.ends[ping, 1], lines.ends[following, 1]),
+            _distance(swath.ends[ping, 0], swath.ends[following, 0]),
+            _distance(swath.ends[ping, 1], swath.ends[following, 1]),
         )
         parts = max(math.ceil(max(moved, turned) / (0.5 * cell)), 1) if moved <= longest else 1
         for part in range(parts):
             share = part / parts
             for side in range(2):
                 # Column and row at no ground range, and their growth to the far end.
-                x, y = _place(lines.nadir[ping], lines.nadir[following], share, corner, cell)
-                far_x, far_y = _place(lines.ends[ping, side], lines.ends[following, side], share, corner, cell)
+                x, y = _place(swath.nadir[ping], swath.nadir[following], share, corner, cell)
+                far_x, far_y = _place(swath.ends[ping, side], swath.ends[following, side], share, corner, cell)
                 for k in range(samples):
                     distance = (k + 0.5) * step
-                    along = distance / lines.reach
+                    along = distance / swath.reach
                     column, row = x + along * (far_x - x), y + along * (far_y - y)
                     heard = here[side, k]
                     if share > 0.0:
@@ -75,16 +63,16 @@ def add_samples(lines, corner, cell, longest, energy, ground_range, count):
 
 
 @inlined
-def _read_energy(lines, ping, step, out):
+def _read_energy(swath, ping, step, out):
     """Energy of a ping at ground ranges on both sides, (2, n); NaN beyond its last bin."""
-    bins = lines.amplitude.shape[2]
+    bins = swath.amplitude.shape[2]
     for k in range(out.shape[1]):
         # A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
-        position = math.hypot((k + 0.5) * step, lines.altitude[ping]) / lines.bin_length
+        position = math.hypot((k + 0.5) * step, swath.altitude[ping]) / swath.bin_length
         for side in range(2):
             out[side, k] = math.nan
             if position < bins:
-                amplitude = float(lines.amplitude[ping, side, int(position)])
+                amplitude = float(swath.amplitude[ping, side, int(position)])
                 out[side, k] = amplitude * amplitude
 
 

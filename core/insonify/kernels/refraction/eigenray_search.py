@@ -14,20 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import (
-    ENDLESS,
-    NODE,
-    SNAP,
-    advance_in_layers,
-    enter_layer,
-    find_layer,
-    gradient_above,
-    gradient_behind,
-    launch_in_layers,
-    node_below,
-    reflect_at_level,
-    speed_at,
-)
+from insonify.kernels.refraction import arcs
 
 STEPS = 10_000  # layers that a ray may pass
 ORDERS = 64  # most passages of one ray through the target height; along the axis of a duct they are unbounded
@@ -121,19 +108,19 @@ def _trace_crossings(height, speed, span, angle, rows):
     for row in rows:
         row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
-    ray = launch_in_layers(height, speed, span.z_from, cosine, math.sin(angle))
+    ray = arcs.launch_in_layers(height, speed, span.z_from, cosine, math.sin(angle))
     turns, tops, bottoms, order = 0, 0, 0, 0
     for _ in range(STEPS):
         sine = ray.sine
         below = ray.z < span.z_to or (ray.z == span.z_to and sine < 0.0)
         low = span.low if below else max(span.low, span.z_to)
         high = min(span.high, span.z_to) if below else span.high
-        status, ray = advance_in_layers(height, speed, ray, math.inf, low, high)
-        if status == ENDLESS:
+        status, ray = arcs.advance_in_layers(height, speed, ray, math.inf, low, high)
+        if status == arcs.ENDLESS:
             return
         if ray.sine * sine < 0.0:
             turns += 1
-        if status == NODE:
+        if status == arcs.NODE:
             continue
         if ray.z == span.z_to:
             _keep_crossing(rows[order], ray, turns, tops, bottoms)
@@ -145,13 +132,13 @@ def _trace_crossings(height, speed, span, angle, rows):
         elif ray.z == span.low:
             bottoms += 1
         else:
-            k = node_below(height, ray.z)
-            if k >= 0 and ray.z - height[k] <= SNAP:
-                ray = enter_layer(height, speed, ray, k)
+            k = arcs.node_below(height, ray.z)
+            if k >= 0 and ray.z - height[k] <= arcs.SNAP:
+                ray = arcs.enter_layer(height, speed, ray, k)
             continue
         if tops + bottoms > span.reflections:
             return
-        ray = reflect_at_level(ray, gradient_behind(height, speed, ray))
+        ray = arcs.reflect_at_level(ray, arcs.gradient_behind(height, speed, ray))
 
 
 @inlined
@@ -242,7 +229,7 @@ def _add_root(height, speed, span, order, a, b, row, found, count):
 def _correct_time(height, speed, span, row):
     """Correct the travel time for what a ray still misses in range, where neighbours come later by dt/dx = ξ."""
     # Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
-    row[TIME] -= (row[X] - span.x) * row[COSINE] / speed_at(height, speed, span.z_to)
+    row[TIME] -= (row[X] - span.x) * row[COSINE] / arcs.speed_at(height, speed, span.z_to)
     row[X] = span.x
 
 
@@ -267,10 +254,10 @@ def _add_level_ray(height, speed, span, found, count):
     """Add the ray that stays level, if the water keeps it so."""
     if span.z_to != span.z_from or count == found.shape[0]:
         return count
-    ray = launch_in_layers(height, speed, span.z_from, 1.0, 0.0)
-    k, g, _, _ = find_layer(height, speed, ray)
-    pressed = span.z_from == span.high and gradient_above(height, speed, k - 1) < 0.0
-    pressed = pressed or (span.z_from == span.low and gradient_above(height, speed, k) > 0.0)
+    ray = arcs.launch_in_layers(height, speed, span.z_from, 1.0, 0.0)
+    k, g, _, _ = arcs.find_layer(height, speed, ray)
+    pressed = span.z_from == span.high and arcs.gradient_above(height, speed, k - 1) < 0.0
+    pressed = pressed or (span.z_from == span.low and arcs.gradient_above(height, speed, k) > 0.0)
     if g == 0.0 and not pressed:
         for column in range(COLUMNS):
             found[count, column] = 0.0

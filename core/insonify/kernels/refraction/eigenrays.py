@@ -4,19 +4,7 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import (
-    ENDLESS,
-    HIGH,
-    LOW,
-    NODE,
-    RANGE,
-    SNAP,
-    advance_in_layers,
-    gradient_above,
-    launch_in_layers,
-    node_below,
-    speed_at,
-)
+from insonify.kernels.refraction import arcs
 
 FOUND, NONE = 0, 1
 STEPS = 10_000  # layers that a direct ray may pass; a trapped one ends there
@@ -46,20 +34,20 @@ def find_direct_ray(height, speed, z_from, z_to, x, low, high):
     for _ in range(TRIES):
         cosine = 1.0 / math.sqrt(1.0 + slope * slope)
         status, ray = follow_to_range(
-            height, speed, launch_in_layers(height, speed, z_from, cosine, slope * cosine), x, low, high
+            height, speed, arcs.launch_in_layers(height, speed, z_from, cosine, slope * cosine), x, low, high
         )
         miss = ray.z - z_to
-        if status == RANGE and abs(miss) <= near:
+        if status == arcs.RANGE and abs(miss) <= near:
             return FOUND, DirectRay(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
-        if status == ENDLESS:
+        if status == arcs.ENDLESS:
             break
         # A ray that takes too many steps winds about the axis of a duct.
-        if status == HIGH or (status != LOW and miss > 0.0):
+        if status == arcs.HIGH or (status != arcs.LOW and miss > 0.0):
             most = slope
         else:
             least = slope
         rise = ray.q * cosine * cosine / ray.cosine  # of the height at that range with the launch slope
-        guess = slope - miss / rise if status == RANGE and rise > 0.0 else math.nan
+        guess = slope - miss / rise if status == arcs.RANGE and rise > 0.0 else math.nan
         if not least < guess < most:
             guess = _bisect_slopes(least, most)
         if guess == slope or guess == least or guess == most:
@@ -72,9 +60,9 @@ def find_direct_ray(height, speed, z_from, z_to, x, low, high):
 def _vertical_ray(height, speed, z_from, z_to):
     """Vertical ray between two heights."""
     sine = 1.0 if z_to >= z_from else -1.0
-    ray = launch_in_layers(height, speed, z_from, 0.0, sine)
+    ray = arcs.launch_in_layers(height, speed, z_from, 0.0, sine)
     while ray.z != z_to:
-        _, ray = advance_in_layers(height, speed, ray, math.inf, min(z_to, z_from), max(z_to, z_from))
+        _, ray = arcs.advance_in_layers(height, speed, ray, math.inf, min(z_to, z_from), max(z_to, z_from))
     return FOUND, DirectRay(0.0, sine, ray.time, 0.0, sine, ray.q)
 
 
@@ -82,20 +70,20 @@ def _vertical_ray(height, speed, z_from, z_to):
 def follow_to_range(height, speed, ray, x, low, high):
     """Follow a ray to a ground range, or to its end if that comes first."""
     for _ in range(STEPS):
-        status, ray = advance_in_layers(height, speed, ray, x, low, high)
-        if status != NODE:
+        status, ray = arcs.advance_in_layers(height, speed, ray, x, low, high)
+        if status != arcs.NODE:
             return status, ray
-    return NODE, ray
+    return arcs.NODE, ray
 
 
 @inlined
 def _guess_slope(height, speed, z_from, z_to, x):
     """Launch slope that would be right if the gradient were even between the two heights."""
-    c0, dz = speed_at(height, speed, z_from), z_to - z_from
-    if abs(dz) > SNAP:
-        g = (speed_at(height, speed, z_to) - c0) / dz
+    c0, dz = arcs.speed_at(height, speed, z_from), z_to - z_from
+    if abs(dz) > arcs.SNAP:
+        g = (arcs.speed_at(height, speed, z_to) - c0) / dz
     else:
-        g = gradient_above(height, speed, node_below(height, z_from))
+        g = arcs.gradient_above(height, speed, arcs.node_below(height, z_from))
     return dz / x + 0.5 * g * (x * x + dz * dz) / (x * c0)
 
 

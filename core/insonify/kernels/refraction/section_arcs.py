@@ -11,25 +11,7 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined
-from insonify.kernels.refraction.arcs import (
-    ENDLESS,
-    GRAZING,
-    HIGH,
-    LOW,
-    NODE,
-    RANGE,
-    SNAP,
-    RayState,
-    advance_in_layers,
-    bend_tube,
-    follow_arc,
-    gradient_above,
-    gradient_behind,
-    launch_in_layers,
-    node_below,
-    reach_line,
-    reflect_at_level,
-)
+from insonify.kernels.refraction import arcs
 
 LEVEL = 1e-12  # cosine below which a plane lies across the stations; change of gradient that counts as none, 1/s
 
@@ -55,16 +37,16 @@ class SectionTriangle(NamedTuple):
 def launch_ray(height, speed, station, plane, z, cosine, sine):
     """Ray at its start through any water, at ground range 0."""
     if station.size == 1:
-        return launch_in_layers(height, speed[0], z, cosine, sine)
+        return arcs.launch_in_layers(height, speed[0], z, cosine, sine)
     c = speed_in_section(height, speed, station, plane.place, z)
-    return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+    return arcs.RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
 def advance_ray(height, speed, station, plane, ray, x_end, low, high):
     """Follow a ray through any water by one arc, to a border in the water, a ground range or a height."""
     if station.size == 1:
-        return advance_in_layers(height, speed[0], ray, x_end, low, high)
+        return arcs.advance_in_layers(height, speed[0], ray, x_end, low, high)
     return _advance_in_section(height, speed, station, plane, ray, x_end, low, high)
 
 
@@ -72,11 +54,11 @@ def advance_ray(height, speed, station, plane, ray, x_end, low, high):
 def reflect_ray(height, speed, station, plane, ray):
     """Ray through any water, reflected by the bed or the surface that it has come to."""
     if station.size == 1:
-        return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
+        return arcs.reflect_at_level(ray, arcs.gradient_behind(height, speed[0], ray))
     # The gradient on the side that the ray comes from.
-    back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+    back = arcs.RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
     _, _, piece = find_triangle(height, speed, station, plane, back)
-    return reflect_at_level(ray, piece.up)
+    return arcs.reflect_at_level(ray, piece.up)
 
 
 @inlined
@@ -89,16 +71,16 @@ def _advance_in_section(height, speed, station, plane, ray, x_end, low, high):
     floor = max(height[j] if j >= 0 else -math.inf, low)
     ceiling = min(height[j + 1] if j < height.size - 1 else math.inf, high)
 
-    to_ahead, _ = reach_line(ray.cosine, -ray.sine, ahead - ray.x, bend)
-    to_behind, _ = reach_line(-ray.cosine, ray.sine, ray.x - behind, bend)
-    to_ceiling, _ = reach_line(ray.sine, ray.cosine, ceiling - ray.z, bend)
-    to_floor, _ = reach_line(-ray.sine, -ray.cosine, ray.z - floor, bend)
-    to_end, _ = reach_line(ray.cosine, -ray.sine, x_end - ray.x, bend)
+    to_ahead, _ = arcs.reach_line(ray.cosine, -ray.sine, ahead - ray.x, bend)
+    to_behind, _ = arcs.reach_line(-ray.cosine, ray.sine, ray.x - behind, bend)
+    to_ceiling, _ = arcs.reach_line(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    to_floor, _ = arcs.reach_line(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    to_end, _ = arcs.reach_line(ray.cosine, -ray.sine, x_end - ray.x, bend)
     to_cut = _reach_diagonal(plane, piece, ray, bend)
     tangents = min(min(min(to_ahead, to_behind), min(to_ceiling, to_floor)), min(to_end, to_cut))
     if tangents == math.inf:
-        return ENDLESS, ray
-    there = follow_arc(ray, gx, piece.up, tangents)
+        return arcs.ENDLESS, ray
+    there = arcs.follow_arc(ray, gx, piece.up, tangents)
     # Borders are met exactly, so that the next step finds itself on them.
     x, z = there.x, there.z
     if tangents == to_end:
@@ -111,14 +93,14 @@ def _advance_in_section(height, speed, station, plane, ray, x_end, low, high):
         z = ceiling
     elif tangents == to_floor:
         z = floor
-    there = RayState(x, z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+    there = arcs.RayState(x, z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
     if tangents == to_ceiling and ceiling == high:
-        return HIGH, there
+        return arcs.HIGH, there
     if tangents == to_floor and floor == low:
-        return LOW, there
+        return arcs.LOW, there
     _, _, beyond = find_triangle(height, speed, station, plane, there)
     there = _enter_triangle(there, (beyond.along - piece.along) * plane.along, beyond.up - piece.up)
-    return RANGE if tangents == to_end else NODE, there
+    return arcs.RANGE if tangents == to_end else arcs.NODE, there
 
 
 @inlined
@@ -130,18 +112,18 @@ def _enter_triangle(ray, dgx, dgz):
     # The jump of the gradient is normal to the border: both sines belong to one angle.
     over = (ray.cosine * dgx + ray.sine * dgz) / size
     aside = (ray.cosine * dgz - ray.sine * dgx) / size
-    flat = abs(over) < GRAZING
-    over = math.copysign(max(abs(over), GRAZING), over)
-    return bend_tube(ray, -size * aside * aside / over, flat)
+    flat = abs(over) < arcs.GRAZING
+    over = math.copysign(max(abs(over), arcs.GRAZING), over)
+    return arcs.bend_tube(ray, -size * aside * aside / over, flat)
 
 
 @inlined
 def find_triangle(height, speed, station, plane, ray):
     """Triangle in which a ray goes on."""
     place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
-    i, j = node_below(station, place), node_below(height, ray.z)
-    on_station = i >= 0 and place - station[i] <= SNAP
-    on_node = j >= 0 and ray.z - height[j] <= SNAP
+    i, j = arcs.node_below(station, place), arcs.node_below(height, ray.z)
+    on_station = i >= 0 and place - station[i] <= arcs.SNAP
+    on_node = j >= 0 and ray.z - height[j] <= arcs.SNAP
     if on_station and onwards < 0.0:
         i -= 1
     if on_node and ray.sine < 0.0:
@@ -168,7 +150,7 @@ def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
     """Triangle of cell (i, j) that contains a place; on the diagonal, the one that a direction leads into."""
     last, top = station.size - 1, height.size - 1
     if i < 0 or i >= last:
-        return SectionTriangle(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
+        return SectionTriangle(0.0, arcs.gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
     width = station[i + 1] - station[i]
     if j < 0 or j >= top:
         k = max(j, 0)
@@ -184,7 +166,7 @@ def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
     if not rising:
         above -= width * along
     upper = above > 0.0
-    if abs(above) <= SNAP:
+    if abs(above) <= arcs.SNAP:
         upper = onwards * along + upwards * up > 0.0
     g_along = (c11 - c01 if upper else c10 - c00) / width
     g_up = (c01 - c00 if upper == rising else c11 - c10) / rise
@@ -202,7 +184,7 @@ def _reach_diagonal(plane, piece, ray, bend):
         return math.inf
     nx, nz = nx / length, nz / length
     along, across = ray.cosine * nx + ray.sine * nz, ray.cosine * nz - ray.sine * nx
-    tangents, _ = reach_line(along, across, piece.distance / length, bend)
+    tangents, _ = arcs.reach_line(along, across, piece.distance / length, bend)
     return tangents
 
 
@@ -221,7 +203,7 @@ def _station_ranges(station, plane, i):
 @inlined
 def speed_in_section(height, speed, station, place, z):
     """Speed of sound at a place of a section."""
-    i, j = node_below(station, place), node_below(height, z)
+    i, j = arcs.node_below(station, place), arcs.node_below(height, z)
     piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
     # The speed is known at a corner: every triangle has the lower one before it or the upper one behind it.
     k, m = max(i, 0), max(j, 0)

@@ -3,9 +3,7 @@
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, decibels, parameter
 
 REVERBERATIONS = Family("reverberations", "insonify.scene.receiver")
@@ -106,6 +104,6 @@ class DecayingRinging(Kind, kind="decay"):
         5e-4, "time in which its energy falls to 1/e", "s", gt=0.0, le=1.0, slider=(1e-5, 1e-2), log=True
     )
 
-    def decibels(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    def decibels(self, time: Floats) -> Floats:
         """Level in dB re the source at 1 m at times (s) after transmission."""
         return self.level - 10.0 / math.log(10.0) * time / self.time

@@ -4,9 +4,9 @@ from functools import partial
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, check_increasing, decibels, parameter
 from insonify.scene.water.absorptions import NEPER_PER_DB
 
@@ -19,9 +19,9 @@ IN_ORDER = AfterValidator(partial(check_increasing, "time or bin"))
 class RangeBins(NamedTuple):
     """Range bins to be amplified."""
 
-    number: NDArray[np.float64]  # from 0
-    slant_range: NDArray[np.float64]  # m, of the centres
-    travel_time: NDArray[np.float64]  # s, to the centres and back
+    number: Floats  # from 0
+    slant_range: Floats  # m, of the centres
+    travel_time: Floats  # s, to the centres and back
 
 
 class GainKind(Kind):
@@ -36,7 +36,7 @@ class GainKind(Kind):
     family = GAINS
     stops_at_noise: ClassVar[bool] = True
 
-    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+    def decibels(self, bins: RangeBins, absorption: float) -> Floats:
         """Gain in dB of range bins, in water of that absorption (Np/m)."""
         return np.zeros(bins.number.shape)
 
@@ -60,7 +60,7 @@ class PowerTvg(GainKind, kind="power", rank=20):
         slider=(0.0, 400.0),
     )
 
-    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+    def decibels(self, bins: RangeBins, absorption: float) -> Floats:
         """Gain in dB, spreading · log₁₀ r + 2αr with α in dB/m."""
         loss = absorption if self.absorption is None else self.absorption * NEPER_PER_DB / 1e3
         return self.spreading * np.log10(bins.slant_range) + 2.0 * loss / NEPER_PER_DB * bins.slant_range
@@ -85,7 +85,7 @@ class TableTvg(GainKind, kind="table", rank=30):
         "linear", "straight lines between those gains, or each gain kept until the next"
     )
 
-    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+    def decibels(self, bins: RangeBins, absorption: float) -> Floats:
         """Gain in dB of the table."""
         at = bins.travel_time if self.by == "time" else bins.number
         places, gains = np.array(self.gains).T

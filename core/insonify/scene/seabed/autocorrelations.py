@@ -8,11 +8,12 @@ from itertools import pairwise
 import numpy as np
 from pydantic import ValidationError, field_validator
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded, read_text
 from insonify.scene.base import Family, FilePath, Kind, metres, parameter
-from insonify.scene.seabed.reliefs.spectrum import Density, Field
+from insonify.scene.seabed.reliefs.spectrum import Density
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed")
 TABLED = 4096  # wave numbers at which a tabulated autocorrelation is transformed
@@ -45,7 +46,7 @@ class LengthAutocorrelation(AutocorrelationKind):
         """Width of the narrowest feature of the spectrum, in cycles per metre."""
         return 1.0 / (2.0 * math.pi * self.length)
 
-    def squared_phase(self, fx: Field, fy: Field) -> Field:
+    def squared_phase(self, fx: Floats, fy: Floats) -> Floats:
         """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
         return np.asarray((2.0 * math.pi * self.length) ** 2 * (fx**2 + fy**2))
 
@@ -86,7 +87,7 @@ class LinearAutocorrelation(AutocorrelationKind):
         """Spectral density of heights of that variance (m²), by the transform of the points."""
         wave, power = tabulate_spectrum(self.tabulated())
 
-        def density(fx: Field, fy: Field) -> Field:
+        def density(fx: Floats, fy: Floats) -> Floats:
             # Beyond the table it falls as k⁻³, the mean trend of a function with corners.
             k = 2.0 * math.pi * np.hypot(fx, fy)
             beyond = np.maximum(k / wave[-1], 1.0)
@@ -120,7 +121,7 @@ class TabledAutocorrelation(LinearAutocorrelation, kind="table", rank=30):
 
 
 @lru_cache(maxsize=4)
-def tabulate_spectrum(points: Points) -> tuple[Field, Field]:
+def tabulate_spectrum(points: Points) -> tuple[Floats, Floats]:
     """Wave numbers, and the spectrum there of an autocorrelation that is linear between points."""
     from scipy.special import itj0y0, j0, j1  # lazy: SciPy takes longer to import than a scene to read
 

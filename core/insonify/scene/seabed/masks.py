@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, metres, parameter
-from insonify.scene.seabed.reliefs.spectrum import Density, Field
+from insonify.scene.seabed.reliefs.spectrum import Density
 
 MASKS = Family("masks", "insonify.scene.seabed")
 
@@ -44,7 +45,7 @@ class PatchMask(Kind, kind="patches"):
         level = 1.0 / (2.0 * math.pi * spread**2)
         return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))
 
-    def weigh(self, field: Field, threshold: float) -> Field:
+    def weigh(self, field: Floats, threshold: float) -> Floats:
         """Weight of the relief, from 0 outside the patches to 1 inside, from the field and its value on the borders."""
         # The field's rms slope is π/size, so that a border of that width in sizes spans π times that of its values.
         share = np.clip((field - threshold) / (math.pi * self.softness) + 0.5, 0.0, 1.0)

@@ -4,9 +4,9 @@ import math
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, parameter
 
 PULSES = Family("pulses", "insonify.scene.sonar")
@@ -65,11 +65,11 @@ class PulseKind(Kind):
         """Slant range between two echoes that can be resolved, in metres."""
         return 0.5 * sound_speed * self.resolution
 
-    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    def envelope(self, time: Floats) -> Floats:
         """Amplitude of a point's echo at times (s) after its own, 1 at its peak."""
         raise NotImplementedError
 
-    def taps(self, length: float) -> NDArray[np.float64] | None:
+    def taps(self, length: float) -> Floats | None:
         """Shares of a bin's energy that the pulse puts into that bin and the following ones, in closed form.
 
         Parameters
@@ -84,7 +84,7 @@ class PulseKind(Kind):
         """
         return None
 
-    def coherence(self, length: float) -> NDArray[np.float64] | None:
+    def coherence(self, length: float) -> Floats | None:
         """Correlation between amplitudes at 0 to n - 1 bins apart, in closed form; argument and result as of `taps`."""
         return None
 
@@ -92,11 +92,11 @@ class PulseKind(Kind):
 class Ideal(PulseKind, kind="ideal", rank=10):
     """A pulse shorter than any bin."""
 
-    def taps(self, length: float) -> NDArray[np.float64]:
+    def taps(self, length: float) -> Floats:
         """All of a bin's energy stays in it."""
         return np.ones(1)
 
-    def coherence(self, length: float) -> NDArray[np.float64]:
+    def coherence(self, length: float) -> Floats:
         """Bins are independent."""
         return np.ones(1)
 
@@ -111,18 +111,18 @@ class Tone(PulseKind, kind="tone", rank=20):
         """Length of the pulse in seconds."""
         return self.duration
 
-    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    def envelope(self, time: Floats) -> Floats:
         """Amplitude of a point's echo: the envelope of the transmitted pulse."""
         return np.where((time >= 0.0) & (time < self.duration), 1.0, 0.0)
 
-    def taps(self, length: float) -> NDArray[np.float64]:
+    def taps(self, length: float) -> Floats:
         """Shares of a bin's energy that the tone puts into that bin and the following ones."""
         edges = np.arange(math.ceil(length) + 2, dtype=np.float64)
         corners = (edges, edges - 1.0, edges - length, edges - 1.0 - length)
         ramps = [0.5 * np.maximum(corner, 0.0) ** 2 for corner in corners]
         return np.diff(ramps[0] - ramps[1] - ramps[2] + ramps[3])
 
-    def coherence(self, length: float) -> NDArray[np.float64]:
+    def coherence(self, length: float) -> Floats:
         """Correlation of two bins: the share of the tone within both, 1 − Δ/(cτ/2)."""
         return 1.0 - np.arange(max(math.ceil(length), 1)) / length
 
@@ -166,7 +166,7 @@ class Chirp(PulseKind, kind="chirp", rank=30):
         """Slant range between two echoes that can be resolved, in metres, c/2B."""
         return 0.5 * sound_speed / self.bandwidth
 
-    def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    def envelope(self, time: Floats) -> Floats:
         """Response of the matched filter: the transform of the spectrum's window, sinc Bt for a uniform one."""
         a, b = WINDOWS[self.window]
         x = self.bandwidth * time

@@ -5,9 +5,9 @@ from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.scene.base import Coordinate, Declaration, Family, KindOf, angle, parameter
 from insonify.scene.seabed.materials import Material
@@ -30,7 +30,7 @@ class Pit(NamedTuple):
     half: tuple[float, float]  # m, from the middle along and across the axis to where the bed is little changed
     depth: float  # m, of the middle; a negative one is a mound
 
-    def heights(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def heights(self, x: Floats, y: Floats) -> Floats:
         """Change of the height of the bed at places, in metres."""
         ahead = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
         along, across = (
@@ -52,7 +52,7 @@ class BedSurface(Protocol):
     def datum(self) -> float:
         """Height of the zero of heights in the world, in metres."""
 
-    def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height_at(self, x: Floats, y: Floats) -> Floats:
         """Heights above the datum at places, NaN where there is no bed."""
 
 
@@ -115,7 +115,7 @@ class Target(Declaration):
         height = float(self.heights_of(bed, np.array([x]), np.array([y]))[0])
         return shape.moved(np.array([x, y, height + self.underside - shape.lowest]))
 
-    def heights_of(self, bed: BedSurface, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def heights_of(self, bed: BedSurface, x: Floats, y: Floats) -> Floats:
         """Heights of the bed under the target.
 
         Raises

@@ -5,9 +5,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import metres, parameter
 from insonify.scene.targets.parts import Triangles, bars, draw_shares, skin, tube
-from insonify.scene.targets.shape import Vector
 from insonify.scene.targets.sunken import Sunken, share
 
 ALONG, AROUND, SPANWISE, CHORDWISE = 18, 10, 10, 4  # plates of a body along and about it, and of half a wing
@@ -115,7 +115,7 @@ class Aircraft(Sunken, kind="aircraft", rank=7):
         plates = draw_shares(self.seed, f"{name} plates", rows, columns)
         return np.asarray(0.6 * patches[:rows, :columns] + 0.4 * plates > 1.02 * self.porosity)
 
-    def _lattice(self, grid: Vector, lines: tuple[int, ...]) -> Iterator[Triangles]:
+    def _lattice(self, grid: Floats, lines: tuple[int, ...]) -> Iterator[Triangles]:
         """Bars across at every second station of a grid and along some of its lines, where skin may be gone."""
         if self.porosity > 0.0:
             frames = grid[::2]
@@ -160,7 +160,7 @@ class Aircraft(Sunken, kind="aircraft", rank=7):
         yield bars([nose], [middles[2]], 0.5 * self._radius, 8)
         yield from self._propeller(nose)
 
-    def _propeller(self, hub: Vector) -> Iterator[Triangles]:
+    def _propeller(self, hub: Floats) -> Iterator[Triangles]:
         """Three blades, some bent backwards."""
         if PLANS[self.plan].thickness < 0.1:  # swept wings and deltas are of jets
             return

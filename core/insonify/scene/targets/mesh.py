@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.targets import Posed
-from insonify.scene.targets.shape import Outline, Shape, Vector
+from insonify.scene.targets.shape import Outline, Shape
 
 
 class MeshFile(Posed, kind="mesh", rank=5):
@@ -43,13 +44,13 @@ class MeshFile(Posed, kind="mesh", rank=5):
 
 
 @kept_until_changed(maxsize=64)
-def _measured(path: str) -> tuple[Vector, int]:
+def _measured(path: str) -> tuple[Floats, int]:
     """Size of the bounding box and number of triangles, in units of the file."""
     corners = _read(path)
     return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners)
 
 
-def _read(path: str) -> Vector:
+def _read(path: str) -> Floats:
     try:
         return read_mesh(path)
     except SceneError as error:

@@ -4,21 +4,22 @@ import hashlib
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from insonify.scene.targets.shape import Vector, block, rotation_matrix
+from insonify.arrays import Booleans, Floats
+from insonify.scene.targets.shape import block, rotation_matrix
 
-Triangles = NDArray[np.float64]  # (triangles, 3, 3) corners, counter-clockwise from outside
+Triangles = Floats  # (triangles, 3, 3) corners, counter-clockwise from outside
 
 
-def draw_shares(seed: int, name: str, *shape: int) -> Vector:
+def draw_shares(seed: int, name: str, *shape: int) -> Floats:
     """Hash a seed and a name to uniform numbers inside (0, 1); a larger array begins with the smaller one."""
     digest = hashlib.shake_128(f"{seed}\n{name}".encode()).digest(8 * math.prod(shape))
     bits = np.frombuffer(digest, "<u8") >> np.uint64(12)
     return np.asarray(((bits + 0.5) * 2.0**-52).reshape(shape), dtype=np.float64)
 
 
-def skin(grid: Vector, thickness: float, present: NDArray[np.bool_] | None = None) -> Triangles:
+def skin(grid: Floats, thickness: float, present: Booleans | None = None) -> Triangles:
     """Plates of one thickness, m, inwards of a right-handed grid (rows, columns, 3), closed where some are missing."""
     along, across = (np.gradient(grid, axis=axis) for axis in (0, 1))
     normal = np.cross(along, across)
@@ -64,7 +65,7 @@ def blocks(centres: ArrayLike, sizes: ArrayLike, angles: ArrayLike = (0.0, 0.0, 
     return np.concatenate([np.zeros((0, 3, 3)), *each])
 
 
-def tube(middles: Vector, radii: ArrayLike, faces: int, squash: float = 1.0) -> Vector:
+def tube(middles: Floats, radii: ArrayLike, faces: int, squash: float = 1.0) -> Floats:
     """Grid (stations, faces + 1, 3) of a round surface about points along x, ``squash`` times as high as wide."""
     angle = 2.0 * np.pi * np.arange(faces + 1) / faces
     around = np.stack([np.zeros_like(angle), -np.sin(angle), -squash * np.cos(angle)], axis=1)
@@ -80,6 +81,6 @@ def roughen(triangles: Triangles, height: float, seed: int) -> Triangles:
     return np.asarray(moved[index.reshape(-1)].reshape(-1, 3, 3))
 
 
-def _halved(quads: Vector) -> Triangles:
+def _halved(quads: Floats) -> Triangles:
     """Two triangles of each quadrangle."""
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])

@@ -6,9 +6,10 @@ from typing import Any, Self
 import numpy as np
 from pydantic import field_validator, model_validator
 
+from insonify.arrays import Floats
 from insonify.scene.base import angle, check_increasing, metres, parameter
 from insonify.scene.targets import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target
-from insonify.scene.targets.shape import Shape, Vector, ball, exact_cos, frustum
+from insonify.scene.targets.shape import Shape, ball, exact_cos, frustum
 
 Gap = float | tuple[tuple[float, float], ...]
 MOST_SAMPLES = 2048  # heights of the bed beneath a pipe
@@ -79,7 +80,7 @@ class Pipe(Target, kind="pipe", rank=1):
         stretches = (frustum(first, last, self.radius, self.radius) for first, last in pairwise(joints))
         return Shape((*stretches, *(ball(self.radius, joint) for joint in joints[1:-1])))
 
-    def _joints(self, bed: BedSurface) -> list[Vector]:
+    def _joints(self, bed: BedSurface) -> list[Floats]:
         """Points on the axis between which the pipe is straight."""
         # On a rough bed a stiff pipe follows the straight line fitted to the heights under it; the gap is above that
         # line.

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from insonify.arrays import Floats
+
 Triple = tuple[float, float, float]
 # Corners of a block as ±1, and the two triangles of each side, counter-clockwise from outside.
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
@@ -22,8 +22,8 @@ _SIDES = np.array(
 class Solid(NamedTuple):
     """A ball, or a frustum: a cylinder, a cone or a part of one."""
 
-    start: Vector  # (3,) centre of the ball, middle of the frustum's first end
-    axis: Vector  # (3,) unit vector towards the last end, 0 for a ball
+    start: Floats  # (3,) centre of the ball, middle of the frustum's first end
+    axis: Floats  # (3,) unit vector towards the last end, 0 for a ball
     length: float  # along the axis, 0 for a ball
     radius: float  # of the ball or of the frustum's first end
     taper: float = 0.0  # growth of the radius per metre along the axis
@@ -33,13 +33,13 @@ class Solid(NamedTuple):
         """Whether it is a ball."""
         return self.length == 0.0
 
-    def ends(self) -> Iterator[tuple[Vector, float]]:
+    def ends(self) -> Iterator[tuple[Floats, float]]:
         """Middle and radius of each end."""
         yield self.start, self.radius
         if not self.is_ball:
             yield self.start + self.length * self.axis, self.radius + self.taper * self.length
 
-    def across(self, direction: Vector) -> float:
+    def across(self, direction: Floats) -> float:
         """Extent of a rim of radius 1 along a unit vector: the sine of the angle between vector and axis."""
         return math.sqrt(max(1.0 - float(self.axis @ direction) ** 2, 0.0))
 
@@ -76,7 +76,7 @@ class Shape(NamedTuple):
     """Shape of a target: balls and frustums, triangles, or both."""
 
     solids: tuple[Solid, ...] = ()
-    triangles: NDArray[np.float64] = np.zeros((0, 3, 3))  # corners, counter-clockwise from outside
+    triangles: Floats = np.zeros((0, 3, 3))  # corners, counter-clockwise from outside
 
     @property
     def lowest(self) -> float:
@@ -92,12 +92,12 @@ class Shape(NamedTuple):
         x, y, z = np.abs(self.triangles).max(axis=(0, 1)).tolist()
         return Outline(self.solids, (x, y, z), len(self.triangles))
 
-    def turned(self, rotation: NDArray[np.float64]) -> Shape:
+    def turned(self, rotation: Floats) -> Shape:
         """Turn the shape about the origin, by a (3, 3) matrix."""
         solids = (s._replace(start=rotation @ s.start, axis=rotation @ s.axis) for s in self.solids)
         return Shape(tuple(solids), self.triangles @ rotation.T)
 
-    def moved(self, by: Vector) -> Shape:
+    def moved(self, by: Floats) -> Shape:
         """Move the shape."""
         return Shape(tuple(s._replace(start=s.start + by) for s in self.solids), self.triangles + by)
 
@@ -108,7 +108,7 @@ def exact_cos(degrees: float) -> float:
     return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
 
 
-def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
+def rotation_matrix(heading: float, pitch: float, roll: float) -> Floats:
     """Matrix (3, 3) of a turn by heading about z, then by pitch and roll, each in degrees about the turned axes."""
     (ch, sh), (cp, sp), (cr, sr) = ((exact_cos(a), exact_cos(a - 90.0)) for a in (heading, pitch, roll))
     about_z = np.array([[ch, -sh, 0.0], [sh, ch, 0.0], [0.0, 0.0, 1.0]])
@@ -117,23 +117,23 @@ def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.flo
     return about_z @ bow_up @ port_up
 
 
-def ball(radius: float, centre: Vector | None = None) -> Solid:
+def ball(radius: float, centre: Floats | None = None) -> Solid:
     """Return a sphere."""
     return Solid(np.zeros(3) if centre is None else centre, np.zeros(3), 0.0, radius)
 
 
-def frustum(first: Vector, last: Vector, radius: float, last_radius: float) -> Solid:
+def frustum(first: Floats, last: Floats, radius: float, last_radius: float) -> Solid:
     """Return a cylinder, a cone or a part of one, between the middles of its ends."""
     length = float(np.linalg.norm(last - first))
     return Solid(first, (last - first) / length, length, radius, (last_radius - radius) / length)
 
 
-def block(size: Triple) -> NDArray[np.float64]:
+def block(size: Triple) -> Floats:
     """Return the (12, 3, 3) triangles of a block."""
     return np.asarray((0.5 * np.asarray(size) * _CORNERS)[_SIDES])
 
 
-def _farthest(solid: Solid, middle: Vector, radius: float) -> float:
+def _farthest(solid: Solid, middle: Floats, radius: float) -> float:
     """Distance from the origin to the farthest point of an end's rim, or of a ball."""
     if solid.is_ball:
         return math.hypot(*middle) + radius

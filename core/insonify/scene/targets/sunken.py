@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import parameter
 from insonify.scene.targets import Pit, Posed
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, roughen
-from insonify.scene.targets.shape import Shape, Vector, rotation_matrix
+from insonify.scene.targets.shape import Shape, rotation_matrix
 
 TORN = np.array([70.0, 14.0, 24.0])  # °, of heading, pitch and roll, by which a piece is turned at most
 ADRIFT = np.array([0.25, 0.22])  # of the length, by which a piece lies off its place at most
@@ -122,7 +123,7 @@ class Sunken(Posed):
         ahead = np.stack(
             [np.cos(np.radians(turns[:, 0])), np.sin(np.radians(turns[:, 0])), 0.2 * turns[:, 1] / 50.0], 1
         )
-        half: Vector = (size[0] * ahead.T).T[is_bar]
+        half: Floats = (size[0] * ahead.T).T[is_bar]
         plates = blocks(centre[~is_bar], size.T[~is_bar], turns[~is_bar])
         return np.concatenate([plates, bars(centre[is_bar] - half, centre[is_bar] + half, 0.4 * size[2][is_bar])])
 

@@ -5,9 +5,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import metres, parameter
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, skin
-from insonify.scene.targets.shape import Vector
 from insonify.scene.targets.sunken import Sunken, share
 
 Pairs = tuple[tuple[float, ...], ...]
@@ -118,17 +118,17 @@ class _Hull:
         self._plate = (0.02 if wreck.timber else 0.012) * self._beam
         self._x = np.linspace(-0.5, 0.5, FRAMES) * wreck.length
 
-    def _curve(self, values: tuple[float, ...], u: Vector) -> Vector:
+    def _curve(self, values: tuple[float, ...], u: Floats) -> Floats:
         """Smooth curve through the values at the stations, without overshoot."""
         # lazy: only generated targets need it
         from scipy.interpolate import PchipInterpolator
 
         return np.asarray(PchipInterpolator(STATIONS, values)(u))
 
-    def _draw(self, name: str, *shape: int) -> Vector:
+    def _draw(self, name: str, *shape: int) -> Floats:
         return draw_shares(self._wreck.seed, name, *shape)
 
-    def _points(self, x: Vector, level: Vector, inset: float = 0.0) -> Vector:
+    def _points(self, x: Floats, level: Floats, inset: float = 0.0) -> Floats:
         """Points of the port side: (stations, levels, 3), level 0 at the keel and 1 at the rail."""
         u, form = x / self._length + 0.5, self._form
         rail, keel = self._depth * self._curve(form.sheer, u), self._depth * self._curve(form.rise, u)

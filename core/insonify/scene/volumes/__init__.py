@@ -4,11 +4,10 @@ import math
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, decibels, metres, parameter
 
-Points = NDArray[np.float64]
 VOLUMES = Family("volumes", "insonify.scene.volumes")
 SPACING = 0.15  # m, between the points by which a volume is sampled
 FEWEST, MOST = 1000, 200_000  # points of a volume
@@ -19,7 +18,7 @@ STEPS = 1.2207440846057596 ** -np.arange(1.0, 4.0)
 class VolumeSamples(NamedTuple):
     """Points spread evenly over a volume, (n, 3) in metres with the sea surface at 0, and the m³ of each."""
 
-    points: Points
+    points: Floats
     each: float
 
 
@@ -39,7 +38,7 @@ class Volume(Kind):
         """Volume, in m³."""
         raise NotImplementedError
 
-    def place(self, unit: Points) -> Points:
+    def place(self, unit: Floats) -> Floats:
         """Map points that fill the unit cube evenly, (n, 3), to the volume, its heading along +x, from `position`."""
         raise NotImplementedError
 
@@ -64,7 +63,7 @@ class School(Volume, kind="school", rank=10):
         """Volume, in m³."""
         return math.pi / 6.0 * self.length * self.width * self.height
 
-    def place(self, unit: Points) -> Points:
+    def place(self, unit: Floats) -> Floats:
         """Map points of the unit cube to the ellipsoid: r³, the cosine to the vertical and the azimuth are even."""
         rho, up, azimuth = np.cbrt(unit[:, 0]), 2.0 * unit[:, 1] - 1.0, 2.0 * math.pi * unit[:, 2]
         level = np.sqrt(1.0 - up**2)
@@ -84,7 +83,7 @@ class Plume(Volume, kind="plume", rank=20):
         """Volume, in m³."""
         return math.pi / 3.0 * self.radius**2 * self.height
 
-    def place(self, unit: Points) -> Points:
+    def place(self, unit: Floats) -> Floats:
         """Map points of the unit cube to the cone: the cubed height, the squared radius and the azimuth are even."""
         up, azimuth = np.cbrt(unit[:, 0]), 2.0 * math.pi * unit[:, 2]
         rho = self.radius * up * np.sqrt(unit[:, 1])

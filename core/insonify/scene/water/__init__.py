@@ -3,23 +3,23 @@
 from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, KindOf, parameter
 from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind, NoAbsorption
 from insonify.scene.water.surfaces import SURFACES, NoSurface, SurfaceKind
 
-Values = NDArray[np.float64]
 WATERS = Family("waters", "insonify.scene.water")
 
 
 class SoundSpeeds(NamedTuple):
     """Speed of sound at depths and at distances along a horizontal line, interpolated linearly."""
 
-    depth: Values  # (n,) metres, increasing
-    speed: Values  # (m, n) m/s
+    depth: Floats  # (n,) metres, increasing
+    speed: Floats  # (m, n) m/s
     # (m,) metres along a line through the scene's (0, 0), increasing; a single one for horizontally uniform water.
-    distance: Values = np.zeros(1)
+    distance: Floats = np.zeros(1)
     heading: float = 0.0  # heading of that line, radians counter-clockwise from +x
 
 

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from insonify.arrays import Floats, Integers
 from insonify.errors import SceneError
 from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene.base import FilePath, angle, parameter
-from insonify.scene.water import SoundSpeeds, Values, WaterKind, speeds_by_depth
+from insonify.scene.water import SoundSpeeds, WaterKind, speeds_by_depth
 from insonify.scene.water.sound_speed import EQUATIONS, describe_range
 
 # m/s, greatest error of the segments; their mean error, two thirds of it, is 6e-8 s over 100 m.
@@ -33,8 +33,8 @@ Salinity = Annotated[float, Field(ge=0.0, le=45.0)]
 
 
 def approximate_by_segments(
-    curve: Callable[[Values], Values], knots: Values, tolerance: float
-) -> tuple[Values, Values]:
+    curve: Callable[[Floats], Floats], knots: Floats, tolerance: float
+) -> tuple[Floats, Floats]:
     """Approximate a curve by straight segments; returns their ends."""
     parts = [_sampled(curve, low, high, FINER * tolerance) for low, high in itertools.pairwise(knots)]
     places = np.concatenate([*(part[:-1] for part in parts), knots[-1:]])
@@ -43,7 +43,7 @@ def approximate_by_segments(
     return places[kept], values[kept]
 
 
-def _sampled(curve: Callable[[Values], Values], low: float, high: float, tolerance: float) -> Values:
+def _sampled(curve: Callable[[Floats], Floats], low: float, high: float, tolerance: float) -> Floats:
     """Divide an interval into equal parts, so many that their chords stay within the tolerance."""
     parts = 1
     while True:
@@ -56,7 +56,7 @@ def _sampled(curve: Callable[[Values], Values], low: float, high: float, toleran
         parts = min(max(parts + 1, int(np.ceil(parts * np.sqrt(error / tolerance)))), MOST_PARTS)
 
 
-def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
+def thin_polyline(places: Floats, values: Floats, tolerance: float) -> Integers:
     """Choose points; the segments between them pass all others within the tolerance (Douglas and Peucker 1973)."""
     kept = np.zeros(places.size, dtype=bool)
     kept[[0, -1]] = True
@@ -73,7 +73,7 @@ def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[n
     return np.flatnonzero(kept)
 
 
-def approximate_pchip(places: Values, values: Values, tolerance: float) -> tuple[Values, Values]:
+def approximate_pchip(places: Floats, values: Floats, tolerance: float) -> tuple[Floats, Floats]:
     """Approximate the PCHIP curve through points, which does not overshoot as a spline does, by straight segments."""
     from scipy.interpolate import PchipInterpolator  # lazy: SciPy takes longer to import than a scene to read
 
@@ -159,7 +159,7 @@ class HydrographyWater(LayeredWater, kind="hydrography", rank=30):
         depth = np.array(self.depth)
         salinity = np.broadcast_to(np.asarray(self.salinity, dtype=np.float64), depth.shape)
 
-        def speed(places: Values) -> Values:
+        def speed(places: Floats) -> Floats:
             temperature = np.interp(places, depth, np.array(self.temperature))
             return EQUATIONS[self.equation](temperature, np.interp(places, depth, salinity), places)
 
@@ -236,7 +236,7 @@ class CastWater(WaterKind, kind="cast", rank=40):
         if cast.temperature is not None and cast.salinity is not None and (self.equation or cast.sound_speed is None):
             yield from describe_range(self.equation or "teos10", cast.temperature, cast.salinity, cast.depth)
 
-    def _speeds_of(self, cast: Cast) -> Values:
+    def _speeds_of(self, cast: Cast) -> Floats:
         """Sound speed of a cast, or by an equation from its temperature and salinity."""
         if cast.sound_speed is not None and self.equation is None:
             speed = cast.sound_speed

@@ -3,22 +3,22 @@
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Floats
 from insonify.scene.base import describe_excess
 
-Values = NDArray[np.float64]
 # A scene has no place on Earth: pressure is that at middle latitudes, salt composition that of the open ocean.
 LATITUDE = 45.0
 
 
-def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Floats:
     """Sound speed by the formula of the paper, section 2, which misprints 0.055 t² as 0.55 t²."""
     t, s, d = _floats(temperature, salinity, depth)
     return np.asarray(1449.0 + 4.6 * t - 0.055 * t**2 + 0.0003 * t**3 + (1.39 - 0.012 * t) * (s - 35.0) + d / 61.0)
 
 
-def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Floats:
     """Sound speed by Mackenzie, J. Acoust. Soc. Am. 70 (1981), 807; arguments as in `paper`."""
     t, s, d = _floats(temperature, salinity, depth)
     by_temperature = 1448.96 + 4.591 * t - 5.304e-2 * t**2 + 2.374e-4 * t**3
@@ -26,7 +26,7 @@ def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> 
     return np.asarray(by_temperature + by_depth + (1.340 - 1.025e-2 * t) * (s - 35.0))
 
 
-def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Floats:
     """Sound speed by TEOS-10, the equation of state of sea water, exact form; arguments as in `paper`."""
     import gsw  # lazy: takes 0.2 s, which only scenes with hydrography need
 
@@ -35,11 +35,11 @@ def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Val
     return np.asarray(gsw.sound_speed_t_exact(gsw.SA_from_SP(s, pressure, 0.0, 0.0), t, pressure), dtype=np.float64)
 
 
-def _floats(*values: ArrayLike) -> tuple[Values, ...]:
+def _floats(*values: ArrayLike) -> tuple[Floats, ...]:
     return tuple(np.asarray(value, dtype=np.float64) for value in values)
 
 
-EQUATIONS: dict[str, Callable[[ArrayLike, ArrayLike, ArrayLike], Values]] = {
+EQUATIONS: dict[str, Callable[[ArrayLike, ArrayLike, ArrayLike], Floats]] = {
     "paper": paper,
     "mackenzie": mackenzie,
     "teos10": teos10,

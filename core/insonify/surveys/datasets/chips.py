@@ -1,15 +1,13 @@
 """Chips of a labelled record: pictures about targets and of the bed beside."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from insonify.arrays import Bytes, Dataset, Floats
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
 from insonify.surveys.datasets.scenes import DrawnScene, View
@@ -17,10 +15,6 @@ from insonify.surveys.datasets.specification import Chips, DatasetSpecification,
 from insonify.surveys.datasets.tiles import RecordSide, take_side, targets_within
 from insonify.surveys.storages import Tile
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-Floats = NDArray[np.float64]
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
 LEAST = 0.25  # of a target's length, which windows about its extent span at least
@@ -28,7 +22,7 @@ NARROWEST = 16  # pixels of a picture
 PAST = 2  # pings and bins past a window, of which its outermost pixels take parts
 
 
-def cut_chips(drawn: DrawnScene, record: xr.Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
+def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
     """Cut a labelled record of a scene into pictures about the views of its targets and, across the tow, of the bed."""
     amplitude = np.sqrt(record["intensity"].values.astype(np.float64))  # (sides, pings, bins)
     curve = np.sqrt(compute_median_curve(record)[:, 0])
@@ -158,7 +152,7 @@ def _means(values: Floats, edges: Floats, axis: int) -> Floats:
     return np.moveaxis((below(middle + 0.5 * width) - below(middle - 0.5 * width)) / width[:, None], 0, axis)
 
 
-def _grey(amplitude: Floats, picture: Picture) -> NDArray[np.uint8]:
+def _grey(amplitude: Floats, picture: Picture) -> Bytes:
     """Grey levels: scaled, stretched between two percentiles, with a median grey, inverted."""
     relative = amplitude / max(float(np.median(amplitude)), 1e-30)
     power = {"linear": 1.0, "root": 0.5, "log": 0.0}[picture.scale]
@@ -171,7 +165,7 @@ def _grey(amplitude: Floats, picture: Picture) -> NDArray[np.uint8]:
     return np.rint(255.0 * (1.0 - share if picture.inverted else share)).astype(np.uint8)
 
 
-def _finish(image: NDArray[np.uint8], picture: Picture) -> NDArray[np.uint8]:
+def _finish(image: Bytes, picture: Picture) -> Bytes:
     """Write scale lines and a caption over the picture, and what JPEG leaves of it."""
     from PIL import Image, ImageDraw
 

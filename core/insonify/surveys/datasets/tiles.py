@@ -1,14 +1,13 @@
 """Tiles of a labelled record: images, masks, and what each shows of every target."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Bytes, Dataset
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
@@ -20,11 +19,7 @@ from insonify.surveys.datasets.specification import Images, Tiles
 from insonify.surveys.storages import Tile
 from insonify.tracers.labels import NOTHING, PATHS
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the classes of targets follow in order
-Region = NDArray[np.bool_]
 
 
 class TargetShown(NamedTuple):
@@ -40,13 +35,13 @@ class RecordSide(NamedTuple):
     """One side of a record, (pings, bins) each."""
 
     image: NDArray[np.unsignedinteger]
-    mask: NDArray[np.uint8]
+    mask: Bytes
     echo_id: NDArray[np.int16]
     shadow_id: NDArray[np.int16]
     targets: list[TargetShown]
 
 
-def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedinteger]:
+def grey_levels(record: Dataset, images: Images) -> NDArray[np.unsignedinteger]:
     """Grey levels of a record, simulated or recorded."""
     amplitude = normalise(record["intensity"].values.swapaxes(0, 1), compute_median_curve(record))
     white = 2**images.bits - 1
@@ -64,7 +59,7 @@ def starts(length: int, size: int, overlap: float) -> list[int]:
 
 
 def cut_tiles(
-    drawn: DrawnScene, record: xr.Dataset, classes: Sequence[str], tiles: Tiles, images: Images
+    drawn: DrawnScene, record: Dataset, classes: Sequence[str], tiles: Tiles, images: Images
 ) -> Iterator[Tile]:
     """Cut a labelled record of a scene into tiles."""
     pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
@@ -80,7 +75,7 @@ def cut_tiles(
 
 
 def take_side(
-    drawn: DrawnScene, record: xr.Dataset, grey: NDArray[np.unsignedinteger], channel: int, classes: Sequence[str]
+    drawn: DrawnScene, record: Dataset, grey: NDArray[np.unsignedinteger], channel: int, classes: Sequence[str]
 ) -> RecordSide:
     """Image, mask and labels of one side."""
     columns = {name: record[name].values[channel] for name in ("target_id", "path", "shadow", "shadow_id")}
@@ -98,7 +93,7 @@ def take_side(
     return side
 
 
-def _find_targets(drawn: DrawnScene, record: xr.Dataset, channel: int, side: RecordSide) -> Iterator[TargetShown]:
+def _find_targets(drawn: DrawnScene, record: Dataset, channel: int, side: RecordSide) -> Iterator[TargetShown]:
     """Targets of a class on one side of a record."""
     for target, name in drawn.classes.items():
         box = record["target_box"].values[target, channel]
@@ -149,7 +144,7 @@ def targets_within(side: RecordSide, ping: int, first: int, tiles: Tiles) -> Ite
             yield {**description, "shown": round(shown / area, 4), **regions}
 
 
-def describe_region(region: Region) -> dict[str, Any] | None:
+def describe_region(region: Booleans) -> dict[str, Any] | None:
     """Box, area and run lengths of a region of a tile; None of an empty one."""
     rows, columns = np.flatnonzero(region.any(axis=1)), np.flatnonzero(region.any(axis=0))
     if not rows.size:
@@ -162,7 +157,7 @@ def describe_region(region: Region) -> dict[str, Any] | None:
     }
 
 
-def run_lengths(region: Region) -> list[int]:
+def run_lengths(region: Booleans) -> list[int]:
     """Lengths of runs down the columns of a region, alternately outside and inside, first outside."""
     down = region.ravel(order="F")
     changes = np.flatnonzero(down[1:] != down[:-1]) + 1

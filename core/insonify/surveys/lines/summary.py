@@ -1,7 +1,5 @@
 """Summary of a survey: mosaic and coverage as files and pictures, and one page that contains all of it."""
 
-import base64
-import html
 import io
 import math
 import os
@@ -10,12 +8,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Floats
 from insonify.display.picture import load_palette
 from insonify.io.atomic import write_text
 from insonify.io.georeference import find_georeference
 from insonify.io.geotiff import write_geotiff
+from insonify.io.pages import fill_page, picture_url
 from insonify.io.records import read_record
 from insonify.surveys.engine import read_flag
 from insonify.surveys.lines.work import SurveyWork
@@ -26,10 +25,6 @@ PAGE = "index.html"
 WIDTH, HIGHEST = 11.0, 9.0  # inches
 DPI = 110
 COUNTS = ("#ffffff", "#8fc1c9", "#1f7a8c", "#0d3b46")  # none, one, two, more lines
-STYLE = """body { font: 15px/1.5 system-ui, sans-serif; max-width: 1100px; margin: 2em auto; padding: 0 1em }
-img { max-width: 100% } table { border-collapse: collapse; font-size: 13px } h1 { font-weight: 600 }
-td, th { padding: .2em .8em; text-align: right; border-bottom: 1px solid #e8ecf0 } td:first-child { text-align: left }
-pre { background: #f4f6f8; padding: 1em; overflow-x: auto; font-size: 12px }"""
 
 
 class Coverage(NamedTuple):
@@ -52,13 +47,13 @@ class StoredSwaths(Iterable[Swath]):
     def __iter__(self) -> Iterator[Swath]:
         return (lay_swath(os.path.basename(path), read_record(path), self.crs) for path in self._paths)
 
-    def on_map(self, points: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    def on_map(self, points: Sequence[tuple[float, float]]) -> Floats:
         """Map points of the scene to the map of the swaths, (n, 2)."""
         x, y = np.array(points, dtype=np.float64).T
         return put_on_map(self._paths[0], self.place, self.crs, x, y)
 
 
-def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Coverage:
+def measure_coverage(mosaic: Mosaic, corners: Floats | None) -> Coverage:
     """Measure the share of an area that the lines of a survey cover."""
     square = mosaic.cell**2
     if corners is None:
@@ -72,7 +67,7 @@ def measure_coverage(mosaic: Mosaic, corners: NDArray[np.float64] | None) -> Cov
     return Coverage(area, *shares)
 
 
-def _cells_within(mosaic: Mosaic, corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _cells_within(mosaic: Mosaic, corners: Floats) -> Booleans:
     """Mask of the cells of a mosaic with their centres within an area, (rows, columns)."""
     # lazy: slow to import
     from skimage.draw import polygon2mask
@@ -104,8 +99,8 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
 
 def _draw(
     mosaic: Mosaic,
-    tracks: Sequence[NDArray[np.float64]],
-    corners: NDArray[np.float64] | None,
+    tracks: Sequence[Floats],
+    corners: Floats | None,
     paint: Callable[[Any, Mosaic, tuple[float, ...]], None],
 ) -> bytes:
     """Draw the mosaic or the coverage, with the lines and the area, as PNG."""
@@ -156,8 +151,6 @@ def _page(
     import tomli_w
 
     declared = tomli_w.dumps(work.specification.model_dump(mode="json", exclude_unset=True))
-    images = [f'<img alt="" src="data:image/png;base64,{base64.b64encode(picture).decode()}">' for picture in pictures]
-    title, about = (html.escape(text) for text in (work.specification.title, work.specification.description))
     rate, speed = work.scene.sonar.ping_rate, work.scene.track.speed
     pings = sum(line["pings"] for line in lines)
     track = sum(line["length"] + math.pi * abs(line["turn"]) for line in lines)
@@ -166,29 +159,6 @@ def _page(
         f"minutes at {speed:g} m/s. {100.0 * coverage.once:.1f} % of {coverage.area:.6g} m² are shown at least once, "
         f"{100.0 * coverage.twice:.1f} % at least twice, in cells of {mosaic.cell:g} m."
     )
-    head = f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{title}</title><style>{STYLE}</style>"
-    return "\n".join(
-        [
-            f"{head}</head><body>\n<h1>{title}</h1>\n<p>{about}</p>\n<p>{facts}</p>",
-            f"<h2>Mosaic</h2>\n{images[0]}\n<h2>Coverage</h2>\n{images[1]}",
-            f"<h2>Lines</h2>\n{_table(lines)}",
-            f"<h2>Specification</h2>\n<pre>{html.escape(declared)}</pre>\n</body></html>\n",
-        ]
-    )
-
-
-def _table(lines: Sequence[Mapping[str, Any]]) -> str:
-    """Return a table with a row for each line."""
-    heads = ("record", "start (m)", "end (m)", "heading (°)", "length (m)", "pings")
-    rows = [
-        (
-            f"<a href='{line['file']}'>{line['file']}</a>",
-            *(", ".join(f"{number:.6g}" for number in line[point]) for point in ("start", "end")),
-            f"{line['heading']:.1f}",
-            f"{line['length']:.6g}",
-            f"{line['pings']}",
-        )
-        for line in lines
-    ]
-    body = [f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows]
-    return "\n".join(["<table>", f"<tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>", *body, "</table>"])
+    shown = dict(zip(("Mosaic", "Coverage"), map(picture_url, pictures)))
+    about = {"specification": work.specification, "declared": declared, "facts": facts}
+    return fill_page("survey", **about, pictures=shown, lines=lines)

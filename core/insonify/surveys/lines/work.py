@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.io.atomic import replacing
 from insonify.io.record_block import RecordBlock
@@ -59,10 +59,10 @@ class SurveyLine(NamedTuple):
 class SurveyTrack(NamedTuple):
     """Fixes of a whole survey, and the pings of each line."""
 
-    time: NDArray[np.float64]  # (n,) seconds, metres, degrees
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    heading: NDArray[np.float64]
+    time: Floats  # (n,) seconds, metres, degrees
+    x: Floats
+    y: Floats
+    heading: Floats
     pings: list[range]  # of each line, with its turn
 
 
@@ -99,7 +99,7 @@ def lay_lawnmower(area: Area) -> list[SurveyLine]:
     return lines
 
 
-def _crossed(corners: NDArray[np.float64], offset: float) -> list[float]:
+def _crossed(corners: Floats, offset: float) -> list[float]:
     """Least and greatest distance ahead at which a line at some distance aside crosses the edges of an area."""
     found = []
     for (x, y), (x_next, y_next) in pairwise([*corners, corners[0]]):

@@ -22,6 +22,7 @@ from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.accuracy.charts.reference import Reference, refine_reference
 from insonify.accuracy.timing import describe_machine, time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
+from insonify.arrays import Singles
 from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.display.style import FAINT, INK, label_axes, make_figure
 from insonify.kernels.common.types import Poses, SceneArrays
@@ -122,7 +123,7 @@ class AccuracyChart(Chart):
     machine: str  # processor and versions of the measurement
     # Scene with its targets (``True``) and without (``False``); a scene without targets has only ``False``.
     scenes: Mapping[bool, TracedScene] = field(repr=False)
-    records: Mapping[method_settings.SettingKey, method_settings.Record] = field(repr=False)  # record of every row
+    records: Mapping[method_settings.SettingKey, Singles] = field(repr=False)  # record of every row
     notes: tuple[str, ...] = ()  # methods that were left out, and why
 
     def rows_of(self, targets: bool) -> list[AccuracyRow]:
@@ -208,7 +209,7 @@ class AccuracyChart(Chart):
         faster = [which.get(targets, "") + line for targets, line in speedups.items() if line]
         return (*faster, *self.describe_parts(), *self.notes)
 
-    def normalise_row(self, row: AccuracyRow) -> tuple[method_settings.Record, method_settings.Record]:
+    def normalise_row(self, row: AccuracyRow) -> tuple[Singles, Singles]:
         """Amplitudes of a row's record and of its reference, relative to a level Lambert bed."""
         scene = self.scenes[row.targets]
         curves = compute_flat_bed_curves(scene.arrays, scene.poses)[:, 0]
@@ -396,7 +397,7 @@ def measure_chart(
     scenes |= {bool(scene.targets): scene}
     rows: list[AccuracyRow] = []
     traced: dict[bool, TracedScene] = {}
-    records: dict[method_settings.SettingKey, method_settings.Record] = {}
+    records: dict[method_settings.SettingKey, Singles] = {}
     for number, (targets, one) in enumerate(scenes.items()):
 
         def share(done: float, before: int = number) -> None:
@@ -429,13 +430,13 @@ def _describe_triangles(targets: bool, scene: TracedScene) -> str:
 
 def _measure(
     targets: bool, whole: Scene, arrays: SceneArrays, poses: Poses, progress: Callable[[float], None]
-) -> tuple[list[AccuracyRow], TracedScene, dict[method_settings.SettingKey, method_settings.Record]]:
+) -> tuple[list[AccuracyRow], TracedScene, dict[method_settings.SettingKey, Singles]]:
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
     named = {
         method_settings.SettingKey(one.method, one.setting, targets): one
         for one in (*method_settings.list_settings(arrays, poses), method_settings.plan_setting(whole))
     }
-    records: dict[method_settings.SettingKey, method_settings.Record] = {}
+    records: dict[method_settings.SettingKey, Singles] = {}
     for number, (key, one) in enumerate(named.items()):
         progress(0.2 * number / len(named))
         records[key] = one.trace(poses)
@@ -478,7 +479,7 @@ def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], Non
         return None
     scene = TriangulatedScene(arrays, poses)
 
-    def trace(rays: int) -> method_settings.Record:
+    def trace(rays: int) -> Singles:
         records = []
         for ping in range(poses.x.size):
             records.append(scene.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))

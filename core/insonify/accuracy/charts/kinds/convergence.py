@@ -11,6 +11,7 @@ from insonify.accuracy.charts import method_settings, style
 from insonify.accuracy.charts.chart import Chart, ChartTable
 from insonify.accuracy.charts.reference import Reference, refine_reference
 from insonify.accuracy.timing import describe_machine
+from insonify.arrays import Singles
 from insonify.display.style import FAINT, label_axes
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
@@ -149,11 +150,7 @@ def _coarser(arrays: SceneArrays, planes: int) -> list[method_settings.MethodSet
 
 
 def _points(
-    series: str,
-    some: Sequence[method_settings.MethodSetting],
-    arrays: SceneArrays,
-    poses: Poses,
-    against: method_settings.Record,
+    series: str, some: Sequence[method_settings.MethodSetting], arrays: SceneArrays, poses: Poses, against: Singles
 ) -> list[ConvergencePoint]:
     """Errors of some settings against their exact limit."""
     return [

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from numba import njit, prange
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, faint, inked, ours, panel, table
 from insonify.accuracy.stability.level_scenes import ball_at, error_message, level_arrays, make_ground, make_level_scene
+from insonify.arrays import Floats, Singles
 from insonify.compiler.jit import FAST
 from insonify.scene import load_scene
 from insonify.simulation import prepare
@@ -22,14 +22,12 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Arithmetic", 11)
-Values = NDArray[np.float64]
 
 
 @THEME.case(
     "Large coordinates",
     "A float32 resolves a northing of millions of metres only to a quarter or half of a metre.",
-    "worst error of the bed's height",
-    "mm",
+    Quantity("worst error of the bed's height", "mm"),
     failing=Approach("Looks heights up by map coordinates in float32.", 20.0),
     right=Approach("Subtracts a local origin in float64.", 0.01),
     scene="breaks-terraces",
@@ -51,7 +49,7 @@ def _terraces() -> Measured:
     ))  # fmt: skip
 
 
-def _next_hit(origin: Values, direction: Values, centre: Values, radius: float) -> Values:
+def _next_hit(origin: Floats, direction: Floats, centre: Floats, radius: float) -> Floats:
     """Distances to a sphere in front, by the quadratic formula; infinite where there is none."""
     offset = origin - centre
     half, rest = (offset * direction).sum(axis=1), (offset**2).sum(axis=1) - radius**2
@@ -64,8 +62,7 @@ def _next_hit(origin: Values, direction: Values, centre: Values, radius: float) 
 @THEME.case(
     "A ray that meets its own surface",
     "A reflected ray starts at a rounded point, as often inside the surface as outside.",
-    "reflected rays that meet their own sphere again",
-    "%",
+    Quantity("reflected rays that meet their own sphere again", "%"),
     failing=Approach("Starts at the hit and takes the next positive distance.", 10.0),
     right=Approach("Starts off the surface by a distance that scales with the coordinates.", 0.0),
 )
@@ -101,7 +98,7 @@ def _self_hits() -> Measured:
     return Measured(percent(met), own, draw)
 
 
-def _mean_of_known(values: Values) -> float:
+def _mean_of_known(values: Floats) -> float:
     """Mean of the values that are not NaN."""
     total, count = 0.0, 0
     for k in range(values.size):
@@ -115,8 +112,7 @@ def _mean_of_known(values: Values) -> float:
 @THEME.case(
     "Fast arithmetic",
     "A compiler that may assume that no value is NaN removes every check for NaN.",
-    "error of a mean over nodes, some of them missing",
-    "",
+    Quantity("error of a mean over nodes, some of them missing"),
     failing=Approach("Compiles with all flags of fast-math.", 0.0),
     right=Approach("Compiles with the kernels' flags, which all respect NaN.", 1e-12),
 )
@@ -147,7 +143,7 @@ def _missing_results() -> float:
     compiled = njit(_root)
 
     @njit(parallel=True)
-    def roots(values: Values, out: Values) -> None:
+    def roots(values: Floats, out: Floats) -> None:
         for k in prange(values.size):
             out[k] = compiled(values[k])  # type: ignore[call-overload]
 
@@ -165,8 +161,7 @@ def _missing_results() -> float:
 @THEME.case(
     "An exception inside a parallel loop",
     "Numba drops an exception of a function that prange calls, and returns a partly filled array.",
-    "results missing without an error",
-    "%",
+    Quantity("results missing without an error", "%"),
     failing=Approach("Raises in a function that a parallel loop calls.", 5.0),
     right=Approach("Returns a status from every kernel and raises outside it.", 0.0),
 )
@@ -185,8 +180,7 @@ def _dropped_exception() -> Measured:
 @THEME.case(
     "Threads and blocks",
     "A floating-point sum depends on its order, and the order depends on the number of threads.",
-    "bins that depend on the number of threads",
-    "%",
+    Quantity("bins that depend on the number of threads", "%"),
     failing=Approach("Sums the shares of one worker and of four in float32.", 10.0),
     right=Approach("Traces each ping by itself with integer sums.", 0.0),
 )
@@ -194,7 +188,7 @@ def _threads() -> Measured:
     rng = np.random.default_rng(2)
     energies, places = rng.random(20_000, dtype=np.float32), rng.integers(0, 200, 20_000)
 
-    def add_up(workers: int) -> NDArray[np.float32]:
+    def add_up(workers: int) -> Singles:
         """Sum echoes into bins in float32: each worker a share, then one share after the other."""
         total = np.zeros(200, dtype=np.float32)
         for share, where in zip(np.array_split(energies, workers), np.array_split(places, workers)):

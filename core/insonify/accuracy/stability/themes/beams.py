@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, common, inked, ours, panel
 from insonify.accuracy.stability.level_scenes import (
     arrays_over,
@@ -21,6 +20,7 @@ from insonify.accuracy.stability.level_scenes import (
 from insonify.acoustics.flat_bed import along_track_width
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
+from insonify.arrays import Floats
 from insonify.display.style import FAINT
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, NO_DECAY, SceneArrays, still_water
@@ -32,14 +32,13 @@ from insonify.scene.targets.bodies import Sphere
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
 from insonify.simulation import prepare, simulate
 
-Values = NDArray[np.float64]
 BEAMS = StabilityTheme("Beams", 8)
 FARTHEST = 3  # index of the farthest ball of the scene
 LAX = 1.0  # tolerance at which planes may lie farther apart than a ball is wide
 ALIKE = {"target_planes": "0"}  # no planes for targets alone
 
 
-def _worst_error(values: Values, exact: Values | float) -> float:
+def _worst_error(values: Floats, exact: Floats | float) -> float:
     """Greatest deviation from exact values, in per cent."""
     return float(100.0 * np.abs(values / exact - 1.0).max())
 
@@ -47,8 +46,7 @@ def _worst_error(values: Values, exact: Values | float) -> float:
 @BEAMS.case(
     "Too few planes across a fan",
     "A target narrower than the distance between two planes returns an echo only where a plane meets it.",
-    "variation of a small sphere's echo within the beam",
-    "%",
+    Quantity("variation of a small sphere's echo within the beam", "%"),
     failing=Approach("Uses as few planes as a tolerance of 1 allows, alike whatever lies in the beam.", 100.0),
     right=Approach("Lays planes across the sphere as close as its size requires, others by the plan.", 30.0),
     scene="breaks-comb",
@@ -79,7 +77,7 @@ def _few_planes() -> Measured:
 FAR_BINS = 200
 
 
-def _contrast(scene: Scene) -> Values:
+def _contrast(scene: Scene) -> Floats:
     """Far bins of the port record over their mean, less 1, pings by bins."""
     record = simulate(scene).intensity.values[0, :, -FAR_BINS:].astype(np.float64)
     return np.asarray(record / record.mean(axis=0) - 1.0)
@@ -89,8 +87,7 @@ def _contrast(scene: Scene) -> Values:
     "Pings that beat with ripples",
     "A knife-edge beam samples one line per ping; ripples about as long as the distance between lines alias to "
     "bands many times as long.",
-    "contrast along the track of bands longer than four ripples",
-    "%",
+    Quantity("contrast along the track of bands longer than four ripples", "%"),
     failing=Approach("Samples lines one ripple length apart.", 50.0),
     right=Approach("Uses a fan wider than the distance between two pings.", 20.0),
     scene="breaks-beats",
@@ -102,7 +99,7 @@ def _beats() -> Measured:
     fan = {"sonar.beam": {"kind": "fan", "width": width}}
     records = [_contrast(edit(scene, change)) for change in ({}, fan, {"track.speed": slowly * scene.track.speed})]
 
-    def contrast(record: Values) -> float:
+    def contrast(record: Floats) -> float:
         """Contrast of all wavelengths beyond four ripples, in per cent."""
         waves = np.fft.rfft(record, axis=0)
         long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / (relief.period / relief.peaks[0][0])
@@ -127,8 +124,7 @@ def _beats() -> Measured:
 @BEAMS.case(
     "Pings too far apart",
     "The sonar moves by more than its beam width between two pings.",
-    "targets missed without a message",
-    "of 5",
+    Quantity("targets missed without a message", "of 5"),
     failing=Approach("Simulates the scene without a check.", 3.0),
     right=Approach("States in the plan up to which range a narrow target can be missed.", 0.0),
 )
@@ -162,8 +158,7 @@ def _sparse() -> Measured:
 @BEAMS.case(
     "A cone taken for a wedge",
     "A beam is a cone about the track: at slant range r it covers r θ of the bed, not x θ.",
-    "error of the along-track width",
-    "%",
+    Quantity("error of the along-track width", "%"),
     failing=Approach("Takes ground range times the beam's angle.", 30.0),
     right=Approach("Takes all azimuths with cos θ · |sin φ| within the beam.", 0.01),
 )
@@ -188,8 +183,7 @@ ALTITUDE, SQUINT = 10.0, 15.0  # m above the bed, °
 @BEAMS.case(
     "Light through a beam that squints",
     "Law light averages over azimuths; in a squinting beam, equal steps of the sine are unequal steps of azimuth.",
-    f"error of the light of a level bed, squint of {SQUINT:g}°",
-    "%",
+    Quantity(f"error of the light of a level bed, squint of {SQUINT:g}°", "%"),
     failing=Approach("Divides by the integral of the response over sines.", 5.0),
     right=Approach("Divides by its integral over azimuths.", 1.0),
 )
@@ -221,8 +215,7 @@ LENGTH = 1.0  # m, of an array
 @BEAMS.case(
     "The near field of a line array",
     "Nearer than the square of its length over the wavelength, the beam of an array is as wide as the array itself.",
-    f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m",
-    "%",
+    Quantity(f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m", "%"),
     failing=Approach("Takes the pattern of the far field.", 50.0),
     right=Approach("Tabulates the pattern range by range, by Fresnel's approximation.", 2.0),
 )
@@ -253,7 +246,7 @@ DEPTH = 20.0  # m, of the sonar beneath the sea surface
 RAISED = 2.0 * DEPTH  # m, of the sonar's image in the surface above the sonar
 
 
-def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
+def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Floats:
     """Echo of one side out by the surface and back straight, (bins,), without the record's spreading."""
     switches = {way: way == "surface_bottom" for way in WAYS}
     sea = RoughSurface(**switches, wind_speed=wind_speed) if wind_speed > 0.0 else FlatSurface(**switches)
@@ -263,7 +256,7 @@ def _surface_echo(arrays: SceneArrays, wind_speed: float = 0.0) -> Values:
     return sweep_port(under, pose, planes=1) - sweep_port(bare, pose, planes=1)
 
 
-def _pair_range(x: Values | float) -> Values:
+def _pair_range(x: Floats | float) -> Floats:
     """Slant range of a level bed's echo out by the surface and back straight."""
     return 0.5 * np.asarray(np.hypot(x, ALTITUDE) + np.hypot(x, ALTITUDE + RAISED))
 
@@ -274,13 +267,12 @@ END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it count
 @SEA_SURFACE.case(
     "Waves at a record's end",
     "A wave trough shortens the path of an echo that would arrive after the end of the record over a calm sea.",
-    f"echo missing from the last {LAST:g} m of the record",
-    "%",
+    Quantity(f"echo missing from the last {LAST:g} m of the record", "%"),
     failing=Approach("Follows the bed up to the end of the record over a calm sea.", 5.0),
     right=Approach("Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1),
 )
 def _waves() -> Measured:
-    def over(heights: Values, end: float) -> SceneArrays:
+    def over(heights: Floats, end: float) -> SceneArrays:
         changes = {"sonar.range": end, "sonar.bins": round(20.0 * end)}
         return arrays_over(heights, 0.1, x0=-0.2, y0=0.0, changes=changes)
 
@@ -304,8 +296,7 @@ PAIR_WIDTH, PAIR_SQUINT = 4.0, 10.0  # °
 @SEA_SURFACE.case(
     "Two legs of a squinting beam",
     "On a path out by the surface and straight back, a squinting beam covers different azimuths on its two legs.",
-    "error of the energy",
-    "%",
+    Quantity("error of the energy", "%"),
     failing=Approach("Takes the root of the product of the azimuths of each leg alone.", 100.0),
     right=Approach("Integrates the root of both responses over their common azimuths.", 0.05),
 )
@@ -341,7 +332,7 @@ CENTRE, RADIUS = (12.0, -9.0), 0.6  # m, of a ball: ground range, height above t
 FACETS, FINE_FACETS = 24, 100_000
 
 
-def _radiances(facets: int) -> tuple[Values, Values, float]:
+def _radiances(facets: int) -> tuple[Floats, Floats, float]:
     """Slant ranges at the ends of facets of a ball, Lambert's radiance for both images in their middles, and its sum.
 
     Facets are denser towards the edges; the radiance is 0 where the facet is hidden from the higher image.
@@ -352,7 +343,7 @@ def _radiances(facets: int) -> tuple[Values, Values, float]:
     borders = -edge * np.cos(np.pi * np.arange(facets + 1) / facets)
     off = 0.5 * (borders[1:] + borders[:-1])
 
-    def legs(angle: Values) -> tuple[Values, Values, Values]:
+    def legs(angle: Floats) -> tuple[Floats, Floats, Floats]:
         root = np.sqrt(np.clip(RADIUS**2 - (distance * np.sin(angle)) ** 2, 0.0, None))
         near = distance * np.cos(angle) - root
         px, pz = near * np.cos(middle + angle), near * np.sin(middle + angle)
@@ -368,8 +359,7 @@ def _radiances(facets: int) -> tuple[Values, Values, float]:
 @SEA_SURFACE.case(
     "Light at a body's edge",
     "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
-    "error of the energy of a ball",
-    "%",
+    Quantity("error of the energy of a ball", "%"),
     failing=Approach(
         f"Takes the radiance in the middle of each of {FACETS} facets, and the whole facet if that is visible.",
         0.5,
@@ -392,6 +382,6 @@ def _light_at_an_edge() -> Measured:
     ))  # fmt: skip
 
 
-def _corners(ends: Values) -> Values:
+def _corners(ends: Floats) -> Floats:
     """Both ends of each facet, facet by facet."""
     return np.ravel(np.column_stack([ends[:-1], ends[1:]]))

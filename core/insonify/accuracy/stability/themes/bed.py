@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import add_legend, common, faint, inked, ours, panel, side_by_side, table
 from insonify.accuracy.stability.level_scenes import arrays_over, error_message, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats, Singles
 from insonify.display.style import FAINT
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, edit, load_scene
@@ -20,7 +20,6 @@ from insonify.statistics.record_statistics import amplitude_exponent
 from insonify.terrain import relief, relief_picture
 from insonify.tracers import march, ray_sheets, rays, sweep
 
-Values = NDArray[np.float64]
 THE_BED = StabilityTheme("The bed", 5)
 HEIGHT = 5.0  # m, height of the sonar
 STEP = 2.0
@@ -31,8 +30,7 @@ BORDER = 3  # bins beside the ends of a shadow, which are partly lit
 @THE_BED.case(
     "Steps too long",
     "A ray that is sampled every few metres steps over narrower crests.",
-    "energy in shadows over the energy of a level bed there",
-    "%",
+    Quantity("energy in shadows over the energy of a level bed there", "%"),
     failing=Approach(f"Marches in steps of {STEP:g} m.", 5.0),
     right=Approach("Walks every segment of the bed once under a running horizon.", 0.0),
     scene="breaks-steps",
@@ -72,7 +70,7 @@ def _steps() -> Measured:
     return Measured.by(lambda record: 100.0 * record[dark].sum() / without, long, own, draw)
 
 
-def _ray_through_a_crest(across: Values, bed: Values, height: float) -> tuple[Values, float, int]:
+def _ray_through_a_crest(across: Floats, bed: Floats, height: float) -> tuple[Floats, float, int]:
     """Deepest ray through a crest with no sample inside it: samples, slope, and number up to the bed."""
     top = int(np.argmax(np.where((across > 15.0) & (across < 25.0), bed, -np.inf)))
     places = np.arange(0.0, 45.0, STEP)
@@ -84,7 +82,7 @@ def _ray_through_a_crest(across: Values, bed: Values, height: float) -> tuple[Va
     return places, slope, seen
 
 
-def _lost_by_division(x: Values) -> float:
+def _lost_by_division(x: Floats) -> float:
     """Percentage of values lost by a running sum over the cosines of incidence on a level bed, by slopes z / x."""
     with np.errstate(invalid="ignore", divide="ignore"):
         slope = -HEIGHT / x
@@ -94,8 +92,7 @@ def _lost_by_division(x: Values) -> float:
 @THE_BED.case(
     "A towfish over a knot",
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
-    "bins or knots without a number",
-    "%",
+    Quantity("bins or knots without a number", "%"),
     failing=Approach("Divides by ground range, starting at the towfish.", 50.0),
     right=Approach("Starts beneath the towfish without dividing by ground range.", 0.0),
 )
@@ -127,7 +124,7 @@ def _smooth_waves(spacing: float) -> SceneArrays:
     return arrays_over(np.add.outer(waves, waves), spacing, x0=-0.5 * 25.6, changes={"sonar.bins": 100})
 
 
-def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> NDArray[np.float32]:
+def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> Singles:
     """Record of a bed of point scatterers: one per sample, with its share of the area."""
     out = np.zeros((1, 2, arrays.bins), dtype=np.float32)
     bed, height = arrays.bed, float(pose.z[0])
@@ -148,8 +145,7 @@ def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> NDArray[n
 @THE_BED.case(
     "A wrong order of convergence",
     "Halving the step of a second-order method should quarter its error.",
-    "deviation of the observed order from 2",
-    "%",
+    Quantity("deviation of the observed order from 2", "%"),
     failing=Approach("Treats every sample of the bed as a point scatterer.", 20.0),
     right=Approach("Spreads the energy of each segment over the bins that it spans.", 10.0),
 )
@@ -162,7 +158,7 @@ def _order() -> Measured:
         errors.append([compare_records(finest, pose, record, exact).beyond for record in records])
     points, own = np.array(errors).T
 
-    def off_second_order(errors: Values) -> float:
+    def off_second_order(errors: Floats) -> float:
         return float(100.0 * abs(np.polyfit(np.log(spacings), np.log(errors), 1)[0] / 2.0 - 1.0))
 
     return Measured.by(off_second_order, points, own, panel(
@@ -186,8 +182,7 @@ ROUGH = {
 @ROUGH_BEDS.case(
     "A lobe narrower than a cell's twist",
     "Within one cell of a rough bed the surface turns by more than the width of a specular lobe.",
-    "error of the record against exact rays",
-    "%",
+    Quantity("error of the record against exact rays", "%"),
     failing=Approach("Takes the incidence at the middle of each cell's segment.", 5.0),
     right=Approach("Divides a segment until lobe, slope and density change little within each part.", 1.0),
 )
@@ -220,7 +215,7 @@ def _fractal(**options: Any) -> Scene:
     return make_level_scene({"seabed.spacing": 0.1, "seabed.relief": declared})
 
 
-def _filter_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float] = (0.0, 0.0)) -> Values:
+def _filter_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float] = (0.0, 0.0)) -> Floats:
     """White noise filtered by the distance of array indices from a peak: its real part."""
     noise = np.fft.fft2(np.random.default_rng(1).normal(size=shape))
     rows, columns = np.indices(shape)
@@ -234,8 +229,7 @@ BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 1
 @GENERATED_RELIEFS.case(
     "Peaks and exponents out of bounds",
     "A peak at or above the Nyquist frequency aliases; an exponent below 0, or of 5 and more, gives no relief.",
-    "such beds made without an error",
-    "of 4",
+    Quantity("such beds made without an error", "of 4"),
     failing=Approach("Filters by array indices without a check.", 3.0),
     right=Approach("Reports each as one sentence that names the field.", 0.0),
 )
@@ -255,8 +249,7 @@ def _out_of_bounds() -> Measured:
 @GENERATED_RELIEFS.case(
     "Undersampled ripples",
     "Waves too short for a coarse grid alias to longer ones.",
-    "energy of aliased waves",
-    "%",
+    Quantity("energy of aliased waves", "%"),
     failing=Approach("Takes every second sample.", 50.0),
     right=Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9),
 )
@@ -268,7 +261,7 @@ def _undersampled() -> Measured:
     waves = np.fft.fft2(fine, norm="forward")
     index = (np.arange(keep) + keep // 2) % keep - keep // 2
 
-    def aliased(coarse: Values) -> float:
+    def aliased(coarse: Floats) -> float:
         """Energy of waves that the landscape does not have, over all its energy, in per cent."""
         alias = np.abs(np.fft.fft2(coarse, norm="forward") - waves[np.ix_(index, index)]) ** 2
         alias[keep // 2], alias[:, keep // 2] = 0.0, 0.0
@@ -282,7 +275,7 @@ def _undersampled() -> Measured:
     ))  # fmt: skip
 
 
-def _resolved_waves(field: Values) -> Values:
+def _resolved_waves(field: Floats) -> Floats:
     """Relief low-passed to the waves that both grids resolve, over its rms."""
     half = np.fft.rfft2(field, norm="forward")
     half[SHARED:-SHARED], half[:, SHARED:] = 0.0, 0.0
@@ -290,7 +283,7 @@ def _resolved_waves(field: Values) -> Values:
     return np.asarray(wave / wave.std())
 
 
-def _difference(fields: list[Values]) -> float:
+def _difference(fields: list[Floats]) -> float:
     """Relative difference of the waves that both grids resolve, in per cent."""
     a, b = (np.fft.rfft2(field, norm="forward")[:SHARED, 1:SHARED] for field in fields)
     return float(100.0 * np.linalg.norm(a / np.linalg.norm(a) - b / np.linalg.norm(b)))
@@ -300,8 +293,7 @@ def _difference(fields: list[Values]) -> float:
     "The same seed on another grid",
     "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
     "grid that is not square.",
-    "difference between the waves that both grids resolve",
-    "%",
+    Quantity("difference between the waves that both grids resolve", "%"),
     failing=Approach("Draws noise for each grid and filters it by indices.", 100.0),
     right=Approach("Hashes each wave's coefficient from the seed and its frequency.", 1e-9),
 )
@@ -309,7 +301,7 @@ def _same_seed() -> Measured:
     seabed, shapes, y = _fractal(beta=1.4).seabed, ((CELLS, CELLS), (CELLS, 128)), np.arange(CELLS) * 0.1
     plain, own = [_filter_noise(shape, 1.4) for shape in shapes], [relief(seabed, shape) for shape in shapes]
 
-    def curves(draw: Any, fields: list[Values]) -> list[Any]:
+    def curves(draw: Any, fields: list[Floats]) -> list[Any]:
         square, narrow = (_resolved_waves(field)[:, 0] for field in fields)
         return [
             draw(y, square, f"{CELLS} columns", linewidth=1.0),
@@ -326,8 +318,7 @@ def _same_seed() -> Measured:
 @GENERATED_RELIEFS.case(
     "β measured on a picture",
     "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
-    "error of the measured β",
-    "",
+    Quantity("error of the measured β"),
     failing=Approach("Fits the spectrum of a picture in 256 greys.", 0.2),
     right=Approach("Fits the spectrum of the heights themselves.", 0.02),
     scene="breaks-greys",

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import (
     RIGHT,
     WRONG,
@@ -23,6 +22,7 @@ from insonify.accuracy.stability.drawing import (
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.style import FAINT
@@ -31,12 +31,11 @@ from insonify.kernels.common.types import SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 
-Values = NDArray[np.float64]
 RANGE_BINS = StabilityTheme("Range bins", 4)
 BINS, BIN = 3000, 0.05
 
 
-def _sum_in_single_precision(edges: Values, density: Values) -> Values:
+def _sum_in_single_precision(edges: Floats, density: Floats) -> Floats:
     """Add up in float32 the steps of a density at the edges of its pieces."""
     steps = np.zeros(BINS + 1, dtype=np.float32)
     place = np.minimum((edges / BIN).astype(np.int64), BINS)
@@ -45,7 +44,7 @@ def _sum_in_single_precision(edges: Values, density: Values) -> Values:
     return np.cumsum(steps[:BINS], dtype=np.float32).astype(np.float64)
 
 
-def _level_bed(height: float, reach: float) -> tuple[Values, Values, Values, Values]:
+def _level_bed(height: float, reach: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Pieces of a level bed: ends on the ground and in slant range, middles, and Lambert energy over their range."""
     x = np.arange(0.0, reach, 0.1)
     edges = np.hypot(x, height)
@@ -57,8 +56,7 @@ def _level_bed(height: float, reach: float) -> tuple[Values, Values, Values, Val
     "Range factors inside a float32 sum",
     "A float32 prefix sum includes spreading by r⁻⁴, so that far bins are smaller than the rounding errors of "
     "near ones.",
-    "worst error beyond 110 m",
-    "%",
+    Quantity("worst error beyond 110 m", "%"),
     failing=Approach("Sums energies times r⁻⁴ in float32.", 100.0),
     right=Approach("Sums energies as integers and applies range factors after the sum.", 0.5),
     scene="breaks-sums",
@@ -84,8 +82,7 @@ def _factors() -> Measured:
 @RANGE_BINS.case(
     "Shadows that are not silent",
     "Floating-point steps that should cancel leave a remainder, so that shadows are bright or negative.",
-    "bins of a shadow that are not zero",
-    "%",
+    Quantity("bins of a shadow that are not zero", "%"),
     failing=Approach("Sums float32 steps up and down.", 50.0),
     right=Approach("Sums integers, which cancel exactly.", 0.0),
 )
@@ -122,8 +119,7 @@ def _cell_area(r: float, height: float, width: float, length: float) -> float:
 @RANGE_BINS.case(
     "Nadir",
     "The cell length cτ/(2 cos θ) is infinite at normal incidence.",
-    "error of the first return's energy",
-    "dB",
+    Quantity("error of the first return's energy", "dB"),
     failing=Approach("Uses the textbook's cell area at the first return.", 60.0),
     right=Approach("Spreads each segment of the bed over the bins that it spans.", 0.1),
 )
@@ -150,8 +146,7 @@ def _nadir() -> Measured:
 @RANGE_BINS.case(
     "Range zero",
     "The first bin begins at slant range 0; neither 0 nor a silent bin has a logarithm.",
-    "bins without a number",
-    "%",
+    Quantity("bins without a number", "%"),
     failing=Approach("Adds 30 log r to decibels at the near edge of each bin.", 10.0),
     right=Approach("Keeps linear intensities and takes ranges at bin centres.", 0.0),
 )
@@ -183,8 +178,7 @@ EMPTY: tuple[dict[str, Any], ...] = (
 @RANGE_BINS.case(
     "An empty record",
     "A record of one bin or ping, or one that ends before the bed begins, has no maximum to normalise by.",
-    "such records shown wrongly",
-    "of 4",
+    Quantity("such records shown wrongly", "of 4"),
     failing=Approach("Divides by the loudest echo and takes logarithms.", 2.0),
     right=Approach("Shows amplitudes relative to a level bed, dark where there is no bed.", 0.0),
 )
@@ -217,8 +211,7 @@ NOISY = {
 @RECEIVER.case(
     "Gain over noise",
     "Time-varied gain keeps rising where only noise is left.",
-    "level of the last tenth of the record above the bed's",
-    "dB",
+    Quantity("level of the last tenth of the record above the bed's", "dB"),
     failing=Approach("Applies 40 log r + 2αr at every range.", 20.0),
     right=Approach("Keeps the gain constant from the range where even a perfect bed is below the noise.", 3.0),
 )
@@ -235,7 +228,7 @@ def _gain() -> Measured:
     ))  # fmt: skip
 
 
-def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
+def _albedos(incidences: Floats, shininess: float) -> tuple[Floats, Floats]:
     """Albedo by incidence, with the lobe as computer graphics defines it and with the normalised lobe."""
     cosine = (np.arange(120) + 0.5) / 120.0
     around = (np.arange(120) + 0.5) / 120.0 * 2.0 * math.pi
@@ -256,8 +249,7 @@ def _albedos(incidences: Values, shininess: float) -> tuple[Values, Values]:
 @RECEIVER.case(
     "A lobe without its norm",
     "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
-    "surplus over the incident energy",
-    "",
+    Quantity("surplus over the incident energy"),
     failing=Approach("Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", 0.3),
     right=Approach("Normalises the lobe by its integral: a factor (n + 2)/2π.", 0.002),
 )

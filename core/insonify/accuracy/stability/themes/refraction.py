@@ -5,14 +5,14 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose
 from insonify.accuracy.stability.themes.water import profile
 from insonify.acoustics.paths import airy_pressure, eigenrays, ray_paths, shadow_zones
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.arrays import Floats, Singles
 from insonify.display.style import FAINT
 from insonify.kernels.bed.profile import empty_profile
 from insonify.kernels.rays.caustics import OCTAVE, airy_field
@@ -22,7 +22,6 @@ from insonify.scene import load_scene
 from insonify.simulation import prepare
 from insonify.tracers import ray_sheets, rays
 
-Values = NDArray[np.float64]
 REFRACTED_RAYS = StabilityTheme("Refracted rays", 3)
 CARRIER = 400e3  # Hz
 # Sound slows down with depth, so that the bed is insonified up to the ray that grazes the surface.
@@ -52,8 +51,7 @@ def _bisect(across: float) -> float:
 @REFRACTED_RAYS.case(
     "A shadow zone",
     "A bisection between a ray that falls short and one that overshoots converges even where no ray exists.",
-    "rays reported where none exists",
-    "of 5",
+    Quantity("rays reported where none exists", "of 5"),
     failing=Approach("Bisects forty times.", 4.0),
     right=Approach("Rejects a ray that misses the point.", 0.0),
 )
@@ -105,8 +103,7 @@ def _newton() -> int:
 @REFRACTED_RAYS.case(
     "Several rays to one point",
     "In a channel many rays join two points, and a search from the straight line finds one at most.",
-    "rays lost",
-    "%",
+    Quantity("rays lost", "%"),
     failing=Approach("Starts Newton's method from the straight line.", 50.0),
     right=Approach("Brackets every branch between the rays that graze a knot.", 0.0),
 )
@@ -121,7 +118,7 @@ def _several() -> Measured:
     ))  # fmt: skip
 
 
-def _sum_waves(rho: Values) -> Values:
+def _sum_waves(rho: Floats) -> Floats:
     """Pressure at distances ρ from a caustic, 2π Ai(−ρ), by the integral of all waves, ∫exp i(s³/3 − ρs) ds.
 
     Its two points of stationary phase are the rays. Along a path turned by 30° nothing oscillates.
@@ -134,8 +131,7 @@ def _sum_waves(rho: Values) -> Values:
 @REFRACTED_RAYS.case(
     "A caustic",
     "Where neighbouring rays cross, the ray tube has no width and the intensity is infinite.",
-    "worst error of the level near the caustic",
-    "dB",
+    Quantity("worst error of the level near the caustic", "dB"),
     failing=Approach("Sums the two rays, each by the width of its tube.", 20.0),
     right=Approach("Uses the uniform approximation with the Airy function.", 0.01),
 )
@@ -163,14 +159,13 @@ FOCUS, TUBE_GROWTH, SLOWNESS = 400.0, 20_000.0, 1.0 / 1500.0
 @REFRACTED_RAYS.case(
     "A caustic at another frequency",
     "The width of a caustic depends on the wavelength, which rays do not have.",
-    "worst error of the level, at 12 kHz, 120 kHz and 1 MHz",
-    "dB",
+    Quantity("worst error of the level, at 12 kHz, 120 kHz and 1 MHz", "dB"),
     failing=Approach("Takes no tube as narrower than 2 % of its range.", 6.0),
     right=Approach("Uses the Airy function, averaged over an octave of frequency.", 0.2),
 )
 def _caustic_by_frequency() -> Measured:
     tubes, nodes, weights = np.geomspace(3.0, 110.0, 60), *np.polynomial.hermite_e.hermegauss(16)
-    levels: dict[str, list[Values]] = {"limited": [], "airy": [], "waves": []}
+    levels: dict[str, list[Floats]] = {"limited": [], "airy": [], "waves": []}
     for frequency in FREQUENCIES:
         slowness = 2.0 * math.pi * frequency * SLOWNESS
         fields = [airy_field(tube, TUBE_GROWTH, slowness)[0].focus for tube in tubes]
@@ -198,14 +193,14 @@ GRADIENT, HEIGHT = 0.05, 20.0  # 1/s; m of the sonar above the bed
 GRAZING = math.acos(1500.0 / 1501.0)
 
 
-def _hits_by_steps(angles: Values) -> Values:
+def _hits_by_steps(angles: Floats) -> Floats:
     """Ranges at which an integrator with adaptive steps finds that rays hit the bed."""
     from scipy.integrate import solve_ivp
 
-    def bend(_: float, ray: Values) -> tuple[float, float, float]:
+    def bend(_: float, ray: Floats) -> tuple[float, float, float]:
         return math.cos(ray[2]), math.sin(ray[2]), -GRADIENT / (1500.0 + GRADIENT * (ray[1] - 10.0)) * math.cos(ray[2])
 
-    def touch(_: float, ray: Values) -> float:
+    def touch(_: float, ray: Floats) -> float:
         return float(30.0 - ray[1])
 
     touch.terminal = True  # type: ignore[attr-defined]
@@ -216,8 +211,7 @@ def _hits_by_steps(angles: Values) -> Values:
 @REFRACTED_RAYS.case(
     "Steps past a touch",
     "An integrator with adaptive steps passes the point where a smooth ray touches the bed.",
-    "error of the limiting range",
-    "m",
+    Quantity("error of the limiting range", "m"),
     failing=Approach("Integrates with adaptive steps and an event at the bed.", 100.0),
     right=Approach("Finds the grazing ray among exact arcs.", 0.05),
     scene="breaks-grazing",
@@ -260,8 +254,7 @@ def _single_time(across: float, depth: tuple[float, float]) -> float:
 @REFRACTED_RAYS.case(
     "Travel time in float32",
     "Seven digits of a time of seconds do not resolve the phase of a 400 kHz carrier.",
-    "worst error of the phase, from 1 to 5 km",
-    "turns",
+    Quantity("worst error of the phase, from 1 to 5 km", "turns"),
     failing=Approach("Takes the closed form in float32.", 0.1),
     right=Approach("Keeps times in float64 in a form without cancellation.", 1e-6),
 )
@@ -296,7 +289,7 @@ SLOWING = {
 FACETS, HALF, EXPONENT = 400, 0.05, 400  # facets that face the sonar, half their length along the level, m, and lobe
 
 
-def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: Values) -> Values:
+def _cosines_from_slopes(table: Singles, low: float, x: Floats, z: Floats) -> Floats:
     """Cosines of the incidence, q dθ / ds, from launch angles that tables give, linear between their places."""
     u, v = x / COLUMN_STEP, (z - low) / ROW_STEP
     i, j = u.astype(int), v.astype(int)
@@ -314,8 +307,7 @@ def _cosines_from_slopes(table: NDArray[np.float32], low: float, x: Values, z: V
     "An incidence from the slope of a table",
     "A table of positions with linear interpolation has slopes with errors of first order, and a narrow lobe takes "
     "the 400th power of the cosine that follows from them.",
-    "worst error of a facet's lobe",
-    "%",
+    Quantity("worst error of a facet's lobe", "%"),
     failing=Approach("Takes the incidence from the slopes of the table.", 20.0),
     right=Approach("Takes it from the direction of arrival, which is tabulated too.", 0.5),
 )
@@ -363,8 +355,7 @@ RAYS, MANY_RAYS = 1 << 12, 1 << 20
 @LAYERED_ECHOES.case(
     "Pairs of paths binned one by one",
     "Where sound arrives along several paths, each pair of a ray out and a path back adds its echo to one bin.",
-    "error of the record where every echo arrives along several paths",
-    "%",
+    Quantity("error of the record where every echo arrives along several paths", "%"),
     failing=Approach("Puts the echo of each pair into the bin in which it arrives.", 10.0),
     right=Approach("Spreads it over the range between neighbouring rays.", 0.5),
 )
@@ -375,7 +366,7 @@ def _double() -> Measured:
     sheet = ray_sheets.trace(arrays, pose, sheets=1, rays=RAYS)[0, 0, TWICE]
     r = bin_centres(arrays)[TWICE]
 
-    def error(record: Values) -> float:
+    def error(record: Floats) -> float:
         return float(100.0 * np.linalg.norm(record - exact) / np.linalg.norm(exact))
 
     return Measured.by(error, single, sheet, panel(

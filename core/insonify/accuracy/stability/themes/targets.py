@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import add_legend, common, faint, ours, panel, table
 from insonify.accuracy.stability.level_scenes import (
     arrays_over,
@@ -16,16 +15,16 @@ from insonify.accuracy.stability.level_scenes import (
     make_level_scene,
     make_pose,
 )
+from insonify.arrays import Floats, Singles
 from insonify.kernels.common.types import NO_DECAY
 from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
 THEME = StabilityTheme("Targets", 7)
-Values = NDArray[np.float64]
 RADIUS = 1.0
 
 
-def _count_triangles(corners: Values, origin: Values, direction: Values) -> int:
+def _count_triangles(corners: Floats, origin: Floats, direction: Floats) -> int:
     """Count the triangles that a ray meets (Möller and Trumbore), in float32, borders included."""
     a, b, c = (corners[:, k].astype(np.float32) for k in range(3))
     way, start = direction.astype(np.float32), origin.astype(np.float32)
@@ -41,8 +40,7 @@ def _count_triangles(corners: Values, origin: Values, direction: Values) -> int:
 @THEME.case(
     "Edges that two walls share",
     "Rounding places a ray through an edge on neither of its two triangles, or on both.",
-    "rays that do not meet exactly one wall",
-    "%",
+    Quantity("rays that do not meet exactly one wall", "%"),
     failing=Approach("Tests every triangle by itself in float32.", 5.0),
     right=Approach("Decides each edge once for both its triangles.", 0.0),
 )
@@ -94,7 +92,7 @@ def _shadow_interval(across: float, above: float, altitude: float) -> tuple[floa
     return altitude / math.sin(phi + alpha), altitude / math.sin(phi - alpha)
 
 
-def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32]) -> bool:
+def _is_right(name: str, record: Singles, bare: Singles) -> bool:
     """Whether the record of a ball at a place is right, compared with the record of the bare bed."""
     port, starboard = record
     if not (np.isfinite(port).all() and (record >= 0.0).all()):
@@ -110,8 +108,7 @@ def _is_right(name: str, record: NDArray[np.float32], bare: NDArray[np.float32])
     "Targets in unusual places",
     "A sphere around the sonar covers no interval of angles; one behind it, below the bed or out of range covers "
     "none either.",
-    "places with a wrong record",
-    "of 5",
+    Quantity("places with a wrong record", "of 5"),
     failing=Approach("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", 2.0),
     right=Approach("Traces visible targets only, and reports a sonar inside a target as one sentence.", 0.0),
 )
@@ -164,8 +161,7 @@ def _echo_by_sweep(exponent: float) -> float:
 @THEME.case(
     "A lobe narrower than a facet",
     "Along a facet of a round target the incidence changes by more than the width of a narrow specular lobe.",
-    "error of the energy, exponents from 10 to 1000",
-    "%",
+    Quantity("error of the energy, exponents from 10 to 1000", "%"),
     failing=Approach("Takes the incidence in the middle of each facet.", 5.0),
     right=Approach("Averages the lobe over as many parts of a facet as its width requires.", 0.1),
 )

@@ -7,19 +7,18 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, Measured, StabilityTheme, percent
+from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
 from insonify.accuracy.stability.drawing import common, faint, inked, ours, panel, side_by_side, table
 from insonify.accuracy.stability.level_scenes import error_message, make_level_scene
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.water import make_sound_speed_field
+from insonify.arrays import Floats
 from insonify.kernels.refraction.arcs import GRAZING
 from insonify.scene import edit, load_scene
 from insonify.scene.water.layered import ProfileWater
 from insonify.scene.water.sound_speed import paper, teos10
 
-Values = NDArray[np.float64]
 LAYERED_WATER = StabilityTheme("Layered water", 1)
 
 
@@ -54,7 +53,7 @@ def _own_range(c0: float, c1: float, thick: float, angle: float) -> float:
     return float(paths.range.values[0, -1])
 
 
-def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[Values, Values]:
+def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[Floats, Floats]:
     """Errors of the range through layers, by the gradient and by this program."""
     exact = np.array([_exact_range(*layer) for layer in layers])
     plain, own = (np.array([way(*layer) for layer in layers]) for way in (_range_by_gradient, _own_range))
@@ -64,8 +63,7 @@ def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[
 @LAYERED_WATER.case(
     "No gradient",
     "In a layer of nearly constant speed the formula divides one vanishing number by another.",
-    "worst error of the range through 10 m, for g from 0 to 0.1 1/s",
-    "m",
+    Quantity("worst error of the range through 10 m, for g from 0 to 0.1 1/s", "m"),
     failing=Approach("Takes (s₀ − s₁)/(gξ).", 0.01),
     right=Approach("Traces arcs by the lengths of their tangents, which remain valid for a straight line.", 1e-9),
     scene="breaks-gradient",
@@ -84,8 +82,7 @@ def _no_gradient() -> Measured:
 @LAYERED_WATER.case(
     "A vertical ray",
     "Snell's constant is 0 and the radius of the arc infinite.",
-    "error of range, and of time times sound speed",
-    "m",
+    Quantity("error of range, and of time times sound speed", "m"),
     failing=Approach("Takes R (s₀ − s₁) with R = 1/(gξ).", 1e-3),
     right=Approach("Uses no radius.", 1e-9),
 )
@@ -108,8 +105,7 @@ def _vertical() -> Measured:
 @LAYERED_WATER.case(
     "Below the profile",
     "The last gradient of a cast, extrapolated, leads to impossible speeds.",
-    "speed at 1600 m, relative to the deepest sample",
-    "m/s",
+    Quantity("speed at 1600 m, relative to the deepest sample", "m/s"),
     failing=Approach("Extrapolates the last gradient.", 1000.0),
     right=Approach("Keeps the speed of the outermost sample.", 0.0),
 )
@@ -131,8 +127,7 @@ def _below() -> Measured:
 @LAYERED_WATER.case(
     "A steep thermocline",
     "A smooth curve through a sudden step overshoots on both sides.",
-    "overshoot",
-    "m/s",
+    Quantity("overshoot", "m/s"),
     failing=Approach("Interpolates by a cubic spline.", 1.0),
     right=Approach("Interpolates by a curve that is monotone between samples.", 1e-9),
 )
@@ -144,7 +139,7 @@ def _thermocline() -> Measured:
     spline = np.asarray(CubicSpline(depth, speed)(fine))
     layers = make_sound_speed_field(profile(depth, speed, interpolation="pchip"))
 
-    def overshoot(found: Values) -> float:
+    def overshoot(found: Floats) -> float:
         return max(found.max() - max(speed), min(speed) - found.min(), 0.0)
 
     return Measured.by(overshoot, spline, layers.speed, panel(
@@ -168,8 +163,7 @@ BAD: tuple[dict[str, Any], ...] = (
 @LAYERED_WATER.case(
     "Invalid profiles",
     "Depths are out of order or repeated, a speed is NaN or 0, or there is a single sample.",
-    "profiles accepted without an error",
-    "of 6",
+    Quantity("profiles accepted without an error", "of 6"),
     failing=Approach("Interpolates without a check.", 3.0),
     right=Approach("Reports each as one sentence.", 0.0),
 )
@@ -193,8 +187,7 @@ def _invalid_profiles() -> Measured:
 @LAYERED_WATER.case(
     "A misprint",
     "A misplaced decimal point in the equation for the speed of sound reverses its slope.",
-    "worst error from 0 to 25 °C, against TEOS-10",
-    "m/s",
+    Quantity("worst error from 0 to 25 °C, against TEOS-10", "m/s"),
     failing=Approach("Uses 0.55 t², as printed.", 100.0),
     right=Approach("Uses 0.055 t².", 0.3),
 )
@@ -218,8 +211,7 @@ KINK = profile([0.0, 20.0, 60.0], [1499.0, 1500.0, 1498.0])
 @KNOTS.case(
     "A level ray on a knot",
     "A horizontal ray that starts on a knot of the profile steps to the nearest knot, where it already is.",
-    "distance to the end of 400 m after 1000 steps",
-    "m",
+    Quantity("distance to the end of 400 m after 1000 steps", "m"),
     failing=Approach("Steps to the nearest knot.", 399.0),
     right=Approach("Enters the layer towards which refraction bends the ray.", 1e-9),
 )
@@ -257,8 +249,7 @@ class _WithMemory:
 @KNOTS.case(
     "A layer chosen by history",
     "On a knot the ray belongs to two layers, and the layer used last is taken.",
-    "difference in depth after 100 m between two histories",
-    "m",
+    Quantity("difference in depth after 100 m between two histories", "m"),
     failing=Approach("Starts in the layer of the previous ray.", 0.1),
     right=Approach("Chooses by the ray's own direction and curvature.", 0.0),
 )
@@ -282,7 +273,7 @@ def _history() -> Measured:
     ))  # fmt: skip
 
 
-def _turning_angles() -> tuple[Values, Values]:
+def _turning_angles() -> tuple[Floats, Floats]:
     """Speeds at the second node of profiles, and the angles at which rays from the first turn just there."""
     faster = 1500.0 + np.linspace(0.3, 30.0, 100)
     return faster, np.arccos(1500.0 / faster)
@@ -306,8 +297,7 @@ def _at_the_vertex() -> tuple[int, int]:
 @KNOTS.case(
     "A ray that turns at a knot",
     "At the turning point the sine is the root of a rounding error, as often negative as positive.",
-    "rays without a number",
-    "%",
+    Quantity("rays without a number", "%"),
     failing=Approach("Takes √(s₀² − ξ² g Δz (c₀ + c₁)) at the knot.", 10.0),
     right=Approach("Crosses the knot or turns before it, depending on the sign.", 0.0),
 )
@@ -337,13 +327,12 @@ def _vertex() -> Measured:
 @KNOTS.case(
     "A kink met at grazing",
     "The ray tube changes by the jump of the gradient over the sine of the ray's angle, which can be 0.",
-    "rays with a diverging tube and without a flag",
-    "%",
+    Quantity("rays with a diverging tube and without a flag", "%"),
     failing=Approach("Takes p − qξ²Δg/|s| without a bound.", 50.0),
     right=Approach("Limits the angle and flags the ray.", 0.0),
 )
 def _kick() -> Measured:
-    def change(sine: Values) -> Values:
+    def change(sine: Floats) -> Floats:
         """Change of the tube in m/rad, 400 m beyond a jump of the gradient of 2 1/s: q ξ² Δg / |s|."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.divide(400.0 * 2.0 / 1500.0**2, np.abs(sine))) * 1500.0 * 400.0
@@ -376,8 +365,7 @@ def _leaves_the_duct(depth: float, angle: float) -> bool:
 @KNOTS.case(
     "A ray in a duct",
     "A trapped ray reaches neither the surface nor the bed.",
-    "rays that never end",
-    "of 5",
+    Quantity("rays that never end", "of 5"),
     failing=Approach("Traces until the ray meets one of them.", 3.0),
     right=Approach("Ends rays at a maximum range and after a maximum number of layers.", 0.0),
 )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
+from insonify.arrays import Bytes, Floats
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, Family, KindOf, parameter
 from insonify.scene.seabed.materials.catalogue import MATERIALS, Reflectivity, check_albedo
@@ -15,7 +15,7 @@ from insonify.scene.seabed.materials.sediments import Sediment
 
 MATERIAL_MAPS = Family("material_maps", "insonify.scene.seabed.materials")
 PERIOD = 102.4  # m, after which a level bed without a period of its own repeats
-Map = NDArray[np.uint8]
+Map = Bytes
 
 
 class Cells(Protocol):
@@ -37,7 +37,7 @@ class Cells(Protocol):
     def place(self) -> Georeference | None:
         """Map coordinates of the local (0, 0), for a map with coordinates of its own."""
 
-    def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def centres(self) -> tuple[Floats, Floats]:
         """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
 
     def patches(self, size: float, count: int) -> Map:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import Cells, CompositeMap, Map, Material
@@ -48,7 +48,7 @@ class PatternMap(CompositeMap, kind="pattern", rank=4):
             across[0] * x + (across[1] * y)[:, np.newaxis], along[0] * x + (along[1] * y)[:, np.newaxis]
         )
 
-    def rows_at(self, across: NDArray[np.float64], along: NDArray[np.float64]) -> Map:
+    def rows_at(self, across: Floats, along: Floats) -> Map:
         """Row of the table of materials at coordinates in periods."""
         if self.shape == "waves":
             return np.rint((0.5 - 0.5 * np.cos(2.0 * math.pi * across)) * (GRADES - 1)).astype(np.uint8)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
+from insonify.arrays import Floats, Integers
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.bathymetry import Grid
@@ -88,7 +89,7 @@ def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
     return pixels, LEVELS[mode]
 
 
-def _pixels(place: NDArray[np.float64], size: float, count: int, period: float | None) -> NDArray[np.int64]:
+def _pixels(place: Floats, size: float, count: int, period: float | None) -> Integers:
     """Pixel at each coordinate; whole pictures are stretched to fill a period."""
     if period is not None:
         size = period / max(1, round(period / size))

@@ -13,9 +13,8 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Curve = NDArray[np.float64]
+from insonify.arrays import Complexes, Floats
 
 WATER_SPEED = 1500.0  # m/s, from which the wave number follows
 # Hz, of the measurements with which the model was compared: APL-UW TR 9407; Williams et al. 2002, IEEE J. Oceanic
@@ -49,7 +48,7 @@ class Fit(NamedTuple):
     shininess: float
 
 
-def model_strength(sediment: Sediment, frequency: float, grazing: Curve) -> Curve:
+def model_strength(sediment: Sediment, frequency: float, grazing: Floats) -> Floats:
     """Backscattering cross section of a square metre, as a ratio, by the grazing angle in radians."""
     # The volume scatters sound that is transmitted twice through a level interface: APL-UW TR 9407, IV.
     vertical, reflected = _vertical(sediment, grazing), reflection(sediment, grazing)
@@ -58,7 +57,7 @@ def model_strength(sediment: Sediment, frequency: float, grazing: Curve) -> Curv
     return np.asarray(_of_interface(sediment, frequency, grazing) + of_volume)
 
 
-def scattering_strength(numbers: Sequence[Any], cos_incidence: Curve) -> Curve:
+def scattering_strength(numbers: Sequence[Any], cos_incidence: Floats) -> Floats:
     """Backscattering cross section of a square metre by Lambert's and Phong's laws, docs/theory/scattering.md."""
     # ``numbers`` begins with the diffuse share, the specular share and the exponent.
     diffuse, specular, shininess = numbers[:3]
@@ -84,7 +83,7 @@ def fit_law(sediment: Sediment, frequency: float, shininess: float) -> Fit:
     )
 
 
-def _of_interface(sediment: Sediment, frequency: float, grazing: Curve) -> Curve:
+def _of_interface(sediment: Sediment, frequency: float, grazing: Floats) -> Floats:
     """Strength of the rough interface: that of first-order perturbation times the ratio of exact to first-order sums.
 
     Jackson and Richardson 2007, 13.2.
@@ -106,7 +105,7 @@ def _of_interface(sediment: Sediment, frequency: float, grazing: Curve) -> Curve
     return np.asarray(first_order * diffraction_integral(roughness, alpha) * steepness / (2.0 * roughness))
 
 
-def reflection(sediment: Sediment, grazing: Curve) -> NDArray[np.complex128]:
+def reflection(sediment: Sediment, grazing: Floats) -> Complexes:
     """Reflection coefficient of a level interface of two fluids."""
     impedance, vertical = sediment.density * np.sin(grazing), _vertical(sediment, grazing)
     return np.asarray((impedance - vertical) / (impedance + vertical))
@@ -117,12 +116,12 @@ def _index(sediment: Sediment) -> complex:
     return (1.0 + 1j * sediment.loss) / sediment.speed_ratio
 
 
-def _vertical(sediment: Sediment, grazing: Curve) -> NDArray[np.complex128]:
+def _vertical(sediment: Sediment, grazing: Floats) -> Complexes:
     """Vertical wave number in the sediment over the wave number in water."""
     return np.asarray(np.sqrt(_index(sediment) ** 2 - np.cos(grazing) ** 2))
 
 
-def diffraction_integral(roughness: Curve, alpha: float) -> Curve:
+def diffraction_integral(roughness: Floats, alpha: float) -> Floats:
     """Integral of u J₀(u) exp(−q u^2α) over u from 0 to infinity, for each q of ``roughness`` and 0 < α < 1.
 
     The exponential is the mean of exp(−B u²) over B = q^(1/α) A with a positive stable variable A of the index α, and

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from insonify.arrays import Floats
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Family, Kind
 
@@ -21,7 +19,7 @@ class HeightGrid(NamedTuple):
     """Heights of a bed on a square grid."""
 
     # (ny, nx) metres above the mean bed, or above the sea surface if measured; NaN where there is no bed.
-    heights: NDArray[np.float64]
+    heights: Floats
     spacing: float  # metres between nodes
     x0: float = 0.0  # local coordinates of node (0, 0), in metres
     y0: float = 0.0

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import parameter
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief, rms_height
-from insonify.scene.seabed.reliefs.spectrum import Field, PeriodicWaves
+from insonify.scene.seabed.reliefs.spectrum import PeriodicWaves
 
 
 class Cascade(RandomRelief, kind="cascade", rank=60):
@@ -21,7 +22,7 @@ class Cascade(RandomRelief, kind="cascade", rank=60):
     )
     hurst: float = parameter(0.7, "order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0))
 
-    def unscaled(self, waves: PeriodicWaves) -> Field:
+    def unscaled(self, waves: PeriodicWaves) -> Floats:
         """Lognormal flux, its logarithm of density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987)."""
         # A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of
         # the flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).

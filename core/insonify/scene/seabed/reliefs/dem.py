@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.bathymetry import BATHYMETRY, LARGEST_SIDE, Grid, read_grid
@@ -60,7 +60,7 @@ class Dem(AddableRelief, kind="dem", rank=90):
         return Georeference(grid.crs, centre if origin is None else origin)
 
 
-def _checked(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _checked(dem: Dem, heights: Floats) -> Floats:
     """World heights, checked for undeclared nodata values, other units and depths read as heights."""
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if not -HIGHEST <= low <= high <= HIGHEST:
@@ -97,7 +97,7 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
     return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs, grid.depths)
 
 
-def refine(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
+def refine(heights: Floats, ratio: float) -> Floats:
     """Interpolate heights linearly along the last axis; gaps stay gaps."""
     if ratio <= 1.0 + SQUARE:
         return heights

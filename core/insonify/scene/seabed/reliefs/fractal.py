@@ -10,10 +10,11 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import field_validator, model_validator
 
+from insonify.arrays import Complexes, Floats
 from insonify.scene.base import parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
-from insonify.scene.seabed.reliefs.spectrum import Band, Field, PeriodicWaves, Waves
+from insonify.scene.seabed.reliefs.spectrum import Band, PeriodicWaves
 
 Peak = tuple[float, float]
 HIGHEST_PEAK = 0.9  # share of the Nyquist frequency, on endless ground
@@ -106,7 +107,7 @@ class Fractal(ExtendableRelief, kind="fractal", rank=20):
             return list(self.peaks)
         return [place for x, y in self.peaks for place in ((x, y), (x, -y))]
 
-    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Floats:
         """Heights of filtered noise; every grid is scaled by the factor of the reference."""
         # Grids of different shape thus agree in the waves they share; one finer than the reference has a slightly
         # higher rms, a coarser one a lower one.
@@ -117,7 +118,7 @@ class Fractal(ExtendableRelief, kind="fractal", rank=20):
         made *= self.rms / math.sqrt(power)
         return waves.field(made)
 
-    def filtered_noise(self, waves: PeriodicWaves) -> Waves:
+    def filtered_noise(self, waves: PeriodicWaves) -> Complexes:
         """Coefficients of the waves before they are scaled to the rms."""
         return waves.filtered(
             lambda fx, fy: np.sqrt(power_spectrum(self, fx, fy)), gaussian=self.coefficients == "gaussian"
@@ -130,7 +131,7 @@ class Fractal(ExtendableRelief, kind="fractal", rank=20):
     def _band_about(self, peak: tuple[float, float]) -> Band:
         period = self.period
 
-        def density(fx: Field, fy: Field) -> Field:
+        def density(fx: Floats, fy: Floats) -> Floats:
             return decay_about(self, fx * period + peak[0], fy * period + peak[1], peak)
 
         if peak == (0.0, 0.0):  # its own image
@@ -150,12 +151,12 @@ class Fractal(ExtendableRelief, kind="fractal", rank=20):
             )
 
 
-def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
+def power_spectrum(fractal: Fractal, fx: Floats, fy: Floats) -> Floats:
     """Squared amplitude A² of the relief's waves, up to one factor."""
     # A real field has the same power at −f as at f, so that every peak has an image at −(fx, fy). Peaks and images that
     # coincide, as at zero frequency, count as often as they occur. Adding 0 turns −0 into 0.
     places = Counter((sign * x + 0.0, sign * y + 0.0) for x, y in fractal.half_plane_peaks for sign in (1.0, -1.0))
-    power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+    power: Floats = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
     for place, times in places.items():
         decay = decay_about(fractal, fx, fy, place)
         if fractal.combine == "max":
@@ -165,7 +166,7 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
     return power
 
 
-def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
+def decay_about(fractal: Fractal, fx: Floats, fy: Floats, peak: tuple[float, float]) -> Floats:
     """Power of one peak at frequencies in cycles per period, 1 at the peak."""
     dx, dy = fx - peak[0], fy - peak[1]
     beta_x, beta_y = fractal.exponents
@@ -183,12 +184,12 @@ def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float
     return _level(dx**2, hard) ** -beta_x * _level(dy**2, hard) ** -beta_y
 
 
-def _level(squared: Field, hard: bool) -> Field:
+def _level(squared: Floats, hard: bool) -> Floats:
     """Squared distance in cycles per period, limited to at least 1 (hard) or increased by 1 (soft)."""
     return np.maximum(squared, 1.0) if hard else 1.0 + squared
 
 
-def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: bool) -> Field:
+def _elliptic(along: Floats, across: Floats, beta_x: float, beta_y: float, hard: bool) -> Floats:
     """Power (|Δ∥|^(2βx/β) + |Δ⊥|^(2βy/β))^−β with β the mean exponent."""
     # It falls with exponent βx along the one axis and βy along the other, is isotropic when they are equal, and has no
     # cross of slowly falling power through the peak.

@@ -19,17 +19,15 @@ level bed. Near nadir the level bed faces the sonar and no slope is brighter; th
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 
+from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.scene.base import metres, parameter
 from insonify.scene.seabed.materials import Material, MaterialMap
 from insonify.scene.seabed.materials.pattern import PatternMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.random_relief import MOST_CELLS
-
-Curve = NDArray[np.float64]
 
 FROM = 1.4  # slant range over altitude beyond which the records agree
 STEPS_A_CELL = 8
@@ -78,7 +76,7 @@ class Mimic(ReliefKind, kind="mimic", rank=95):
         heights = self.dunes(cells)
         return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
 
-    def dunes(self, cells: int) -> Curve:
+    def dunes(self, cells: int) -> Floats:
         """Heights of dunes with the record of the pattern."""
         y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
         port = y <= self.reach
@@ -104,7 +102,7 @@ def mean_diffuse(pattern: PatternMap) -> float:
     return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
 
 
-def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
+def equivalent_profile(ratio: Floats, altitude: float, step: float, law: str) -> tuple[Floats, Floats]:
     """Profile with the record of a level bed of varying reflectivity, beyond 1.4 times the altitude."""
     x = (np.arange(ratio.size) + 0.5) * step
     r = np.hypot(x, altitude)
@@ -122,7 +120,7 @@ def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> 
     return ends * np.sin(angle), altitude - ends * np.cos(angle)
 
 
-def _cotangent(ratio: Curve, sine: Curve, cosine: Curve, law: str) -> Curve:
+def _cotangent(ratio: Floats, sine: Floats, cosine: Floats, law: str) -> Floats:
     """Cotangent of the incidence β at which the profile is as bright as the level bed at α."""
     if law == "light":
         bright = ratio * cosine
@@ -133,7 +131,7 @@ def _cotangent(ratio: Curve, sine: Curve, cosine: Curve, law: str) -> Curve:
     return np.asarray(np.sqrt((1.0 - sin_beta) * (1.0 + sin_beta)) / sin_beta)
 
 
-def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
+def _one_side(mimic: Mimic, y: Floats, side: float, cells: int) -> Floats:
     """Heights at distances from the track, towards +y (side 1) or −y (−1)."""
     # A whole number of steps between the borders of stripes, so that no border falls within a step.
     border = mimic.of.period / len(mimic.of.of)
@@ -144,7 +142,7 @@ def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
     return np.interp(y, ground, height)
 
 
-def _ratio(mimic: Mimic, y: Curve) -> Curve:
+def _ratio(mimic: Mimic, y: Floats) -> Floats:
     """Diffuse share of the pattern across the track, over its mean."""
     mean = mean_diffuse(mimic.of)
     ratio = _diffuse(mimic.of, y / mimic.of.period) / max(mean, 1e-300)
@@ -156,7 +154,7 @@ def _ratio(mimic: Mimic, y: Curve) -> Curve:
     return np.asarray(ratio)
 
 
-def _diffuse(pattern: PatternMap, across: Curve) -> Curve:
+def _diffuse(pattern: PatternMap, across: Floats) -> Floats:
     """Diffuse share at coordinates in periods across the stripes."""
     table = np.array([row.diffuse for row in pattern.rows()[1]])
     return np.asarray(table[pattern.rows_at(across, np.zeros_like(across))])

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
+from insonify.arrays import Complexes, Floats
 from insonify.scene.base import KindOf, metres, parameter
 from insonify.scene.seabed.masks import MASKS, PatchMask
 from insonify.scene.seabed.reliefs import AddableRelief
-from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
+from insonify.scene.seabed.reliefs.spectrum import Band, Density, PeriodicWaves
 
 if TYPE_CHECKING:
     from insonify.scene.seabed.materials import MaterialMap
@@ -58,11 +59,11 @@ class RandomRelief(AddableRelief):
         """Spectral density of the heights, in m² per (cycle a metre)²; up to a factor if an rms is given."""
         raise NotImplementedError
 
-    def unscaled(self, waves: PeriodicWaves) -> Field:
+    def unscaled(self, waves: PeriodicWaves) -> Floats:
         """Heights of one period before they are scaled to their rms: waves of the spectral density."""
         return waves.field(density_waves(self.density(), self.period, waves, gaussian=self.gaussian))
 
-    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Floats:
         """Heights of one period, without the mask.
 
         Parameters
@@ -132,12 +133,12 @@ class ExtendableRelief(RandomRelief):
         """Bands of the spectrum of endless ground, or of the waves that `shape_waves` takes."""
         raise NotImplementedError
 
-    def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
+    def shape_waves(self, real: Floats, imaginary: Floats, level: float) -> Floats:
         """Heights from a field, its Hilbert transform (a quarter of a wave on), and their rms amplitude."""
         raise NotImplementedError
 
 
-def density_waves(density: Density, period: float, waves: PeriodicWaves, *, gaussian: bool = True) -> Waves:
+def density_waves(density: Density, period: float, waves: PeriodicWaves, *, gaussian: bool = True) -> Complexes:
     """Waves of a spectral density; each has the variance within half a cycle per period of it."""
     return waves.filtered(lambda fx, fy: np.sqrt(density(fx / period, fy / period)) / period, gaussian=gaussian)
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import angle, metres, parameter
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
@@ -11,7 +12,6 @@ from insonify.scene.seabed.reliefs.spectrum import (
     LONGEST_WAVES,
     Band,
     Density,
-    Field,
     PeriodicWaves,
     rotate_frequencies,
     row_groups,
@@ -61,17 +61,17 @@ class Ripples(ExtendableRelief, kind="ripples", rank=50):
         spread_across = max(self.bandwidth / self.wavelength, narrowest)
         spread_along = max(self.bandwidth_along / self.wavelength, narrowest)
 
-        def density(fx: Field, fy: Field) -> Field:
+        def density(fx: Floats, fy: Floats) -> Floats:
             f_along, f_across = rotate_frequencies(fx, fy, self.heading)
             return np.asarray(np.exp(-0.5 * ((f_across / spread_across) ** 2 + (f_along / spread_along) ** 2)))
 
         return density
 
-    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Floats:
         """Shape the phase of the analytic signal of a narrow band of waves."""
         band, wave = self.band(LONGEST_WAVES / self.period), self.wave
 
-        def about_both(fx: Field, fy: Field) -> Field:
+        def about_both(fx: Floats, fy: Floats) -> Floats:
             return band(fx - wave[0], fy - wave[1]) + band(fx + wave[0], fy + wave[1])
 
         made = density_waves(about_both, self.period, waves)
@@ -91,7 +91,7 @@ class Ripples(ExtendableRelief, kind="ripples", rank=50):
         narrow = min(self.bandwidth, self.bandwidth_along) / self.wavelength
         return (Band(self.band(), narrow, self.wave),)
 
-    def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
+    def shape_waves(self, real: Floats, imaginary: Floats, level: float) -> Floats:
         """Heights from a complex field with phase 0 on crests."""
         # A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
         # cosine.

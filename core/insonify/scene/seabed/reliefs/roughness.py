@@ -5,10 +5,11 @@ from typing import Annotated
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import KindOf, angle, metres, parameter
 from insonify.scene.seabed.autocorrelations import AUTOCORRELATIONS, AutocorrelationKind, ExponentialAutocorrelation
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, rms_height
-from insonify.scene.seabed.reliefs.spectrum import Band, Density, Field, rotate_frequencies
+from insonify.scene.seabed.reliefs.spectrum import Band, Density, rotate_frequencies
 
 REFERENCE_LENGTH = 0.01  # m, h₀
 
@@ -33,7 +34,7 @@ class PowerLaw(ExtendableRelief, kind="power_law", rank=30):
         strength = self.strength * REFERENCE_LENGTH**4
         clamp = 0.0 if outer is None else (2.0 * math.pi / outer) ** 2
 
-        def density(fx: Field, fy: Field) -> Field:
+        def density(fx: Floats, fy: Floats) -> Floats:
             squared = (2.0 * math.pi) ** 2 * (fx**2 + fy**2) + clamp
             # The mean height is no roughness.
             scaled = np.where(squared > 0.0, squared * REFERENCE_LENGTH**2, np.inf)
@@ -64,7 +65,7 @@ class VonKarman(ExtendableRelief, kind="von_karman", rank=40):
         across, along = self.across / (2.0 * math.pi), self.along / (2.0 * math.pi)
         level = 4.0 * math.pi * self.hurst * self.rms**2 * across * along
 
-        def density(fx: Field, fy: Field) -> Field:
+        def density(fx: Floats, fy: Floats) -> Floats:
             f_along, f_across = rotate_frequencies(fx, fy, self.heading)
             squared = (2.0 * math.pi) ** 2 * ((f_across * across) ** 2 + (f_along * along) ** 2)
             return np.asarray(level * (1.0 + squared) ** -(self.hurst + 1.0))

@@ -9,12 +9,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from insonify.arrays import Complexes, Floats
 
-Field = NDArray[np.float64]
-Waves = NDArray[np.complex128]
-Density = Callable[[Field, Field], Field]
+Density = Callable[[Floats, Floats], Floats]
 ROWS = 64  # rows of a group, which stay in the processor cache: half the time, little memory
 LONGEST_WAVES = 0.35  # cycles per period, least spread of a band, so that it contains a wave
 
@@ -46,26 +43,26 @@ class PeriodicWaves(Protocol):
     def shape(self) -> tuple[int, int]:
         """Samples per period along y and x."""
 
-    def noise(self, *, gaussian: bool = True) -> Waves:
+    def noise(self, *, gaussian: bool = True) -> Complexes:
         """Random coefficients of unit variance, (ny, nx // 2 + 1): Gaussian, or of random phase only."""
 
-    def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
+    def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Complexes:
         """Multiply the noise by an amplitude of the frequencies fx (1, nx // 2 + 1) and fy (rows, 1)."""
 
-    def frequencies(self) -> tuple[Field, Field]:
+    def frequencies(self) -> tuple[Floats, Floats]:
         """Cycles per period of the coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
 
-    def variance(self, waves: Waves) -> float:
+    def variance(self, waves: Complexes) -> float:
         """Variance of the sum of waves."""
 
-    def field(self, waves: Waves) -> Field:
+    def field(self, waves: Complexes) -> Floats:
         """Sum of waves, (ny, nx); the array of waves is overwritten."""
 
-    def transform(self, field: Field) -> Waves:
+    def transform(self, field: Floats) -> Complexes:
         """Waves of a field."""
 
 
-def rotate_frequencies(fx: Field, fy: Field, heading: float) -> tuple[Field, Field]:
+def rotate_frequencies(fx: Floats, fy: Floats, heading: float) -> tuple[Floats, Floats]:
     """Frequencies along a heading and across it."""
     c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     return c * fx + s * fy, c * fy - s * fx

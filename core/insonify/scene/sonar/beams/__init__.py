@@ -9,15 +9,14 @@ from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, parameter
 
 BEAMS = Family("beams", "insonify.scene.sonar.beams")
 COLUMNS = 2049  # of a table of sensitivities
 FAINT = 1e-6  # sensitivity at which a bell-shaped beam ends
 EDGE = 0.02  # sensitivity at which its main lobe ends
-Values = NDArray[np.float64]
 
 
 class BeamConditions(NamedTuple):
@@ -37,8 +36,8 @@ class BeamTable(NamedTuple):
     """Sensitivity of a beam by slant range and direction."""
 
     first_range: float  # slant range of the first row, in metres
-    extent: Values  # (rows,) half of the span of each row, as sine
-    energy: Values  # (rows, COLUMNS)
+    extent: Floats  # (rows,) half of the span of each row, as sine
+    energy: Floats  # (rows, COLUMNS)
     per_octave: float = 1.0  # rows per doubling of slant range
 
 
@@ -90,7 +89,7 @@ class BeamKind(Kind):
         """Sine beyond which the sensitivity is 0."""
         return max(math.sin(self.half_width(conditions)), 1e-9)  # a knife has no width, but a row must have a span
 
-    def response(self, s: Values, conditions: BeamConditions) -> Values:
+    def response(self, s: Floats, conditions: BeamConditions) -> Floats:
         """Sensitivity by direction about the axis."""
         return np.ones(s.shape)
 
@@ -148,7 +147,7 @@ class GaussianBeam(AimedBeam, kind="gaussian", rank=30):
         """Sine of the angle at which the sensitivity is `FAINT`."""
         return min(self._s_three_decibels * math.sqrt(math.log2(1.0 / FAINT) / self.passes), 1.0)
 
-    def response(self, s: Values, conditions: BeamConditions) -> Values:
+    def response(self, s: Floats, conditions: BeamConditions) -> Floats:
         """Sensitivity b = 2^(−(2φ/w)²) each way, which falls to a half at half the width."""
         return np.exp2(-self.passes * (s / self._s_three_decibels) ** 2)
 

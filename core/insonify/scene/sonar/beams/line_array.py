@@ -5,8 +5,9 @@ from typing import Literal
 
 import numpy as np
 
+from insonify.arrays import Floats
 from insonify.scene.base import metres, parameter
-from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable, Values
+from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
 FEWEST_ROWS = 4.0  # per octave of slant range
@@ -59,11 +60,11 @@ class LineArray(AimedBeam, kind="array", rank=40):
         energy = self._energy_at(conditions.range, extent[0], conditions.wavelength)
         return BeamTable(conditions.range, extent, energy[None, :])
 
-    def _extent_at(self, ranges: Values, wavelength: float) -> Values:
+    def _extent_at(self, ranges: Floats, wavelength: float) -> Floats:
         """Sine at each range beyond which less than 0.5 % arrives."""
         return np.minimum(0.5 * self.length / ranges + LOBES[self.two_way] * wavelength / self.length, 1.0)
 
-    def _energy_at(self, slant_range: float, extent: float, wavelength: float) -> Values:
+    def _energy_at(self, slant_range: float, extent: float, wavelength: float) -> Floats:
         """Sensitivity at one range, in directions from -extent to extent."""
         from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
 
@@ -76,7 +77,7 @@ class LineArray(AimedBeam, kind="array", rank=40):
         return np.asarray(np.abs(field) ** (2.0 * self.passes))
 
 
-def taper_weights(name: str) -> Values:
+def taper_weights(name: str) -> Floats:
     """Weights of the elements of an array, of unit sum."""
     u = (np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5
     weights = np.ones(ELEMENTS)

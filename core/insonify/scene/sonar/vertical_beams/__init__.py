@@ -3,8 +3,8 @@
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, parameter
 
 VERTICAL_BEAMS = Family("vertical_beams", "insonify.scene.sonar.vertical_beams")
@@ -49,7 +49,7 @@ class VerticalBeamKind(Kind):
         """Whether the sensitivity depends on the grazing angle."""
         return self.response.shape != "every_grazing"
 
-    def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
+    def sensitivity(self, wavelength: float) -> Floats:
         """Tabulate the one-way energy at equal steps of the sine of the angle above the axis, from -1 to 1.
 
         Parameters

@@ -5,9 +5,9 @@ from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
+from insonify.arrays import Floats
 from insonify.scene.base import check_increasing, metres, parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
 from insonify.scene.sonar.vertical_beams import TiltedBeam
@@ -33,7 +33,7 @@ class VerticalArray(TiltedBeam, kind="array", rank=40):
         """Name of the beam for captions."""
         return f"{self.taper} array {1e3 * self.height:g} mm high tilted {self.tilt:g}°"
 
-    def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
+    def sensitivity(self, wavelength: float) -> Floats:
         """Tabulate |∫ w(u) exp(−iku s) du|² over sines s (Urick 1983, ch. 3): sin²(x)/x², x = πhs/λ, if uniform."""
         from scipy.signal import czt  # lazy: takes longer to import than a preview takes to trace
 
@@ -56,7 +56,7 @@ class MeasuredVerticalBeam(TiltedBeam, kind="table", rank=50):
         max_length=4096,
     )
 
-    def sensitivity(self, wavelength: float) -> NDArray[np.float64]:
+    def sensitivity(self, wavelength: float) -> Floats:
         """Tabulate the measured levels as energies."""
         below, decibels = np.array(self.levels).T
         angles = -np.degrees(np.arcsin(np.linspace(-1.0, 1.0, COLUMNS)))

@@ -5,9 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, KindOf, parameter
 
 if TYPE_CHECKING:
@@ -61,7 +59,7 @@ class SingleMotion(MotionKind):
         """Greatest rise above and fall below the track's own height, in metres."""
         return 0.0
 
-    def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
+    def displacement(self, time: Floats) -> dict[Axis, Floats]:
         """Displacement of the towfish at times (s) after the first ping: metres ahead, to port, up; degrees."""
         return {}
 

@@ -4,8 +4,8 @@ import math
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from insonify.arrays import Floats
 from insonify.scene.base import angle, parameter
 from insonify.scene.track.motions import Axis, SingleMotion
 
@@ -18,7 +18,7 @@ class Oscillation(SingleMotion):
     period: float = parameter(8.0, "period of the motion", "s", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True)
     phase: float = angle("phase of the motion at the first ping", rare=True)
 
-    def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
+    def displacement(self, time: Floats) -> dict[Axis, Floats]:
         """Displacement of the towfish along or about its axis at times after the first ping."""
         # Whole periods are subtracted first, so that the sine is as exact far along the tow.
         turns = np.remainder(time / self.period, 1.0) + self.phase / 360.0
