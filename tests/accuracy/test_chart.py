@@ -58,7 +58,7 @@ SMALL = edit(
 def measured():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(accuracy, "PROVING", 1.0)
-        patch.setattr(accuracy, "TIMING", 1.0)
+        patch.setattr(accuracy, "TIMING", 0.4)
         return measure_chart(SMALL, pings=2)
 
 

@@ -36,7 +36,7 @@ from random_scenes import planned_scene, short_scene, wide_scene
 JUDGED = range(300)
 PLANNED = (300_001, 300_004, 300_009, 300_015, 300_022, 300_030, 300_042)
 MORE_PLANNED = (300_021, 300_024, 300_027, 300_032, 300_041, 300_048)
-WIDE, MORE_WIDE = range(800_000, 800_012), range(800_012, 800_024)
+WIDE, MORE_WIDE = range(800_000, 800_008), range(800_008, 800_024)
 SHORT, MORE_SHORT = range(900_000, 900_008), range(900_008, 900_024)
 TOLERANCES, FLOOR = (0.01, 0.15), 0.003
 SETTLED = 0.3  # share of the tolerance by which more rays may move a reference

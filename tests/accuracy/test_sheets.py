@@ -31,6 +31,8 @@ def test_a_level_bed_is_as_its_closed_form(half_width, law):
     np.testing.assert_allclose(record[first:-1] / right[first:-1], record[-2] / right[-2], rtol=1e-3)
 
 
+# Of those that run slowly each part is in one of the others.
+SLOW = ("fan", "light", "pattern")
 CASES = {
     "knife": rough_arrays(),
     "fan": rough_arrays(FAN),
@@ -43,7 +45,10 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in CASES]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_single_rays_tend_to_the_same_as_sheets(name):
     arrays = CASES[name]
     across = 1 if arrays.half_width == 0.0 else 64
@@ -55,7 +60,7 @@ def test_single_rays_tend_to_the_same_as_sheets(name):
     assert abs(by_many.energy_bias) < 5e-4
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NAMES)
 def test_what_is_found_converges(name):
     arrays = CASES[name]
     across = (1, 1, 1) if arrays.half_width == 0.0 else (16, 32, 64)

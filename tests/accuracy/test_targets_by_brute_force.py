@@ -26,7 +26,7 @@ TARGETS = {
 }
 
 
-@pytest.mark.parametrize("shininess", [25.0, 100.0, 1000.0])
+@pytest.mark.parametrize("shininess", [25.0, pytest.param(100.0, marks=pytest.mark.slow), 1000.0])
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 @pytest.mark.parametrize("name", TARGETS)
 def test_an_echo_is_that_of_a_grid_of_rays(name, half_width, shininess):

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QAccessible, QDragEnterEvent, QDropEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
@@ -77,6 +78,38 @@ def drop(window: QWidget, *paths: object) -> None:
         event.ignore()
         QApplication.sendEvent(window, event)
         assert event.isAccepted()
+
+
+def drag(view: QWidget, first: QPoint, last: QPoint) -> None:
+    """Drag with the left button in small steps."""
+    QTest.mouseMove(view, first)
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=first)
+    for step in range(1, 9):
+        move_mouse(view, first + (last - first) * step / 8, Qt.MouseButton.LeftButton)
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=last)
+
+
+def move_mouse(view: QWidget, place: QPoint, buttons: Qt.MouseButton = Qt.MouseButton.NoButton) -> None:
+    """Move the mouse to a place of a widget, wherever the pointer of the screen is."""
+    event = QMouseEvent(
+        QEvent.Type.MouseMove, QPointF(place), QPointF(view.mapToGlobal(place)), Qt.MouseButton.NoButton, buttons,
+        Qt.KeyboardModifier.NoModifier,
+    )  # fmt: skip
+    QApplication.sendEvent(view, event)
+
+
+def choose(combo: QComboBox, entry: int | str) -> None:
+    """Choose an entry of a list, by its number or its text, as the person does."""
+    combo.setCurrentIndex(combo.findText(entry) if isinstance(entry, str) else entry)
+    combo.activated.emit(combo.currentIndex())
+
+
+def press_shortcut(window: MainWindow, key: str) -> None:
+    """Trigger the one action of a window with a key; a window that no manager activates gets no shortcuts."""
+    known = {*window.findChildren(QAction), *window.actions()}
+    (action,) = (each for each in known if each.shortcut().toString().lower() == key.lower())
+    assert action in window.actions(), "the window itself holds the action, so that it works everywhere"
+    action.trigger()
 
 
 def accessible_name(widget: QWidget) -> str:

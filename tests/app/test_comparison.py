@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import activate, bring_to_front
+from controls import activate, bring_to_front, choose, drag, press_shortcut
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
@@ -124,17 +124,11 @@ def test_a_difference_takes_the_smallest_ends_that_hold_it():
     assert draw_difference(np.zeros((0, 4), np.float32), GREY, 0).span == SPANS[0]
 
 
-def press(viewer, key: str):
-    """Trigger the action of a key: a virtual screen gives no window the keyboard."""
-    (action,) = (each for each in viewer.window.actions() if each.shortcut().toString() == key)
-    action.trigger()
-
-
 @pytest.fixture
 def compared(open_viewer, small, qtbot):
     """A window with a dark record as A and one twice as high as B."""
     viewer = open_viewer(edit(small, DARK))
-    press(viewer, "K")
+    press_shortcut(viewer.window, "K")
     assert viewer.comparison.kept is not None
     viewer.session.settle(LIGHT)
     qtbot.waitUntil(lambda: viewer.complete)
@@ -187,8 +181,7 @@ def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compare
     window = compared.window
     window.gain.setValue(60)
     qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
-    window.palettes.setCurrentText("grey")
-    window.palettes.activated.emit(window.palettes.currentIndex())
+    choose(window.palettes, "grey")
     compared.session.show(ground_range=True, side="starboard")
     one, other = window.record_a.tone_map, window.waterfall.tone_map
     assert one.ends == other.ends
@@ -260,7 +253,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
 def test_a_lies_left_of_a_line_that_is_dragged_or_is_drawn_as_a_difference_with_a_scale(compared, qtbot):
     window, overlay = compared.window, compared.window.overlay
     bright = colour(compared)
-    press(compared, "W")
+    press_shortcut(compared.window, "W")
     assert compared.comparison.arrangement is Arrangement.WIPED
     assert colour(compared) == bright
     assert colour(compared, 0.25) < bright
@@ -272,16 +265,14 @@ def test_a_lies_left_of_a_line_that_is_dragged_or_is_drawn_as_a_difference_with_
     assert clicked == [window.waterfall.mark_at(middle(compared))]
     plot = window.waterfall.plot_area
     line = QPoint(overlay.split, plot.center().y())
-    QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=line)
-    QTest.mouseMove(overlay, QPoint(plot.left() + int(0.9 * plot.width()), line.y()))
-    QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=line)
+    drag(overlay, line, QPoint(plot.left() + int(0.9 * plot.width()), line.y()))
     assert overlay.split == pytest.approx(plot.left() + 0.9 * plot.width(), abs=2)
     assert colour(compared) < bright
     assert overlay.covers(middle(compared))
-    press(compared, "W")
+    press_shortcut(compared.window, "W")
     assert compared.comparison.arrangement is Arrangement.ALONE
     assert not overlay.covers(middle(compared))
-    press(compared, "D")
+    press_shortcut(compared.window, "D")
     before = window.waterfall.grab().toImage()
     picture = overlay.difference
     assert picture.span == 12.0  # 6.02 dB, and a little less near the floor
@@ -322,7 +313,7 @@ def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_t
     # A returns with its modelling.
     shown = compared.session.scene
     compared.session.model(Modelling(0.1))
-    press(compared, "Shift+K")
+    press_shortcut(compared.window, "Shift+K")
     assert compared.session.scene == compared.comparison.kept.scene
     assert compared.session.modelling == Modelling()
     compared.session.undo()
@@ -332,16 +323,16 @@ def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_t
 
 def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced_as_a(viewer, small, qtbot):
     for key in ("W", "D", "Shift+K"):
-        press(viewer, key)
+        press_shortcut(viewer.window, key)
         assert "press K" in viewer.window.status.sentence.text()
     before = viewer.window.waterfall.grab().toImage()
     QTest.keyPress(viewer.window, Qt.Key.Key_X)
     assert viewer.window.waterfall.grab().toImage() == before
     QTest.keyRelease(viewer.window, Qt.Key.Key_X)
-    press(viewer, "P")
+    press_shortcut(viewer.window, "P")
     assert "not one of a pair" in viewer.window.status.sentence.text()
     viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
-    press(viewer, "P")
+    press_shortcut(viewer.window, "P")
     assert "no-such-scene" in viewer.window.status.sentence.text()
     assert viewer.comparison.a is None
     viewer.session.open(edit(small, LIGHT))
@@ -361,8 +352,7 @@ def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
     assert panel.changes.text() == "B equals A"
     assert not panel.learn.isVisible()
     for index, arrangement in enumerate(Arrangement):
-        panel.arrangement.setCurrentIndex(index)
-        panel.arrangement.activated.emit(index)
+        choose(panel.arrangement, index)
         assert viewer.comparison.arrangement is arrangement
     viewer.session.settle(LIGHT)
     qtbot.waitUntil(lambda: viewer.complete)

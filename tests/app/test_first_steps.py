@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from controls import drag
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
@@ -32,11 +33,7 @@ class Hand:
 
     def drag(self, widget, start: QPoint, end: QPoint):
         self.actions += 1
-        QTest.mouseMove(widget, start)
-        QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
-        for k in range(1, 9):
-            QTest.mouseMove(widget, start + (end - start) * k / 8)
-        QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
+        drag(widget, start, end)
 
     def key(self, widget, key: Qt.Key, held=Qt.KeyboardModifier.NoModifier):
         self.actions += 1

@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from controls import choose
 from PySide6.QtCore import QEvent, QObject, QPoint, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QWidget
@@ -141,8 +142,7 @@ def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(o
     first.window.open_panel("record")
     for name in ("newest_on_top", "water_column", "decibels"):
         view.ticks[name].click()
-    first.window.palettes.setCurrentText("grey")
-    first.window.palettes.activated.emit(0)
+    choose(first.window.palettes, "grey")
     first.session.show(gain=6.0, levels=(0.1, 4.0))
     first.window.close()
     second = open_viewer(small)

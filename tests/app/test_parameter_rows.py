@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from controls import drag
 from PySide6.QtCore import QPoint, Qt
 
 from field_changes import RELIEFS, with_relief
@@ -177,11 +178,7 @@ def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
     reach = picture.spectrum.reach
     start = picture.place_of((8.0, 20.0)).toPoint()
     step = picture.area.width() / (2.0 * reach)
-    end = start + QPoint(round(-16.0 * step), 0)
-    qtbot.mousePress(picture, Qt.MouseButton.LeftButton, pos=start)
-    qtbot.mouseMove(picture, start + QPoint(round(-8.0 * step), 0))
-    qtbot.mouseMove(picture, end)
-    qtbot.mouseRelease(picture, Qt.MouseButton.LeftButton, pos=end)
+    drag(picture, start, start + QPoint(round(-16.0 * step), 0))
     moved, still = viewer.session.scene.seabed.relief.peaks
     assert moved == pytest.approx((-8.0, 20.0), abs=1.0)
     assert moved == tuple(float(round(wave)) for wave in moved)

@@ -1,6 +1,7 @@
 """The plan's panel: what is modelled, what is left out, and what forcing a choice changes."""
 
 import numpy as np
+from controls import choose
 
 from insonify.cli import main
 from insonify.scene import edit, load_scene
@@ -23,8 +24,7 @@ def pick(viewer, subject: str, choice: str | None):
     combo = line_of(viewer.panels["plan"].view, subject).combo
     index = combo.findData(choice)
     assert index >= 0
-    combo.setCurrentIndex(index)
-    combo.activated.emit(index)
+    choose(combo, index)
 
 
 def wait(viewer, qtbot):

@@ -1,9 +1,8 @@
 """The record is looked back along, pointed at, explained, marked and wiped by keys alone."""
 
 import pytest
-from controls import activate
-from PySide6.QtCore import QEvent, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from controls import activate, move_mouse
+from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -38,12 +37,7 @@ def press(viewer, key: Key, modifier: Modifier = Modifier.NoModifier) -> Mark | 
 
 def point(viewer, mark: Mark):
     """Move the mouse over a bin."""
-    view, none = viewer.window.waterfall, Qt.MouseButton.NoButton
-    place = view.place_of(mark)
-    event = QMouseEvent(
-        QEvent.Type.MouseMove, QPointF(place), QPointF(view.mapToGlobal(place)), none, none, Modifier.NoModifier
-    )
-    QApplication.sendEvent(view, event)
+    move_mouse(viewer.window.waterfall, viewer.window.waterfall.place_of(mark))
     assert viewer.session.mark == mark
 
 

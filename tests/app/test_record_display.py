@@ -5,13 +5,12 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from controls import picture_of, turn_wheel
+from controls import drag, picture_of, turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
 from insonify.display.display_options import DisplayOptions, read_display
@@ -149,19 +148,6 @@ def test_colours_linear_in_decibels_and_reversed():
 # In the window
 
 
-def drag(view, first: QPoint, last: QPoint):
-    """Drag with the left button in small steps."""
-    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=first)
-    for step in range(1, 9):
-        place = first + (last - first) * step / 8
-        event = QMouseEvent(
-            QEvent.Type.MouseMove, QPointF(place), QPointF(view.mapToGlobal(place)), Qt.MouseButton.NoButton,
-            Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
-        )  # fmt: skip
-        QApplication.sendEvent(view, event)
-    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=last)
-
-
 @pytest.fixture
 def viewer(open_viewer, small):
     return open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
@@ -208,9 +194,7 @@ def check_places(viewer, options, pinned, marked, qtbot):
         QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=place)  # which opens a panel, so that the view shrinks
         assert pinned[-1] == wanted
     handle = view._handle
-    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=handle.place_of(view.top).toPoint())
-    QTest.mouseMove(view, handle.place_of(100).toPoint())
-    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=handle.place_of(100).toPoint())
+    drag(view, handle.place_of(view.top).toPoint(), handle.place_of(100).toPoint())
     assert abs(view.top - 100) <= 1
     newest = view.place_of(Mark(view.top, side, 350))
     older = view.place_of(Mark(view.top - 10, side, 350))

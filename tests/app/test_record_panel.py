@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import picture_of
+from controls import choose, drag, picture_of, press_shortcut
 from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QAction, QImage, QPainter, QPixmap
+from PySide6.QtGui import QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
-from test_record_display import drag
 
 from insonify.display.display_options import DisplayOptions
 from insonify.io.contacts import Contact, read_contacts
@@ -38,14 +37,6 @@ def panel(viewer):
     return viewer.panels["record"]
 
 
-def press(viewer, key: str):
-    """Trigger the one action of the window with a key; a window that no manager activates gets no shortcuts."""
-    known = {*viewer.window.findChildren(QAction), *viewer.window.actions()}
-    (action,) = (each for each in known if each.shortcut().toString().lower() == key.lower())
-    assert action in viewer.window.actions(), "the window itself holds the action, so that it works everywhere"
-    action.trigger()
-
-
 def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qtbot):
     for name, _, key, _ in TICKS:
         viewer.window.open_panel("record")
@@ -53,18 +44,17 @@ def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qt
         panel.view.ticks[name].click()
         assert getattr(viewer.session.display, name) is not before
         viewer.window.open_panel("parameters")  # the keys work while the panel is hidden
-        press(viewer, key)
+        press_shortcut(viewer.window, key)
         qtbot.waitUntil(lambda name=name, before=before: getattr(viewer.session.display, name) is before)
         assert panel.view.ticks[name].isChecked() is before
     for key, side in (("2", "port"), ("3", "starboard"), ("1", "both")):
-        press(viewer, key)
+        press_shortcut(viewer.window, key)
         qtbot.waitUntil(lambda side=side: viewer.session.display.side == side)
         assert panel.view.choices["side"].combo.currentText() == side
-    press(viewer, "t")
+    press_shortcut(viewer.window, "t")
     qtbot.waitUntil(lambda: viewer.session.display.scale == "true")
     combo = panel.view.choices["palette"].combo
-    combo.setCurrentIndex(2)
-    combo.activated.emit(2)
+    choose(combo, 2)
     assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
 
 
@@ -75,8 +65,7 @@ def test_display_options_are_undone_by_name(viewer, panel):
     traced = session.scene
     combo = panel.view.choices["palette"].combo
     for name in ("grey", "viridis"):
-        combo.setCurrentText(name)
-        combo.activated.emit(combo.currentIndex())
+        choose(combo, name)
     panel.view.ticks["ground_range"].click()
     for tenths in (10, 20, 45):
         window.gain.setValue(tenths)
@@ -143,7 +132,7 @@ def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_vie
     first, last = Mark(200, 1, 200), Mark(180, 1, 300)
     found = []
     view.measured.connect(lambda a, b: found.append((a, b)))
-    press(viewer, "m")
+    press_shortcut(viewer.window, "m")
     assert view.measuring
     for options in ({}, {"ground_range": True}, {"side": "starboard", "newest_on_top": False}, {"water_column": False}):
         viewer.session.show(**options)
@@ -157,7 +146,7 @@ def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_vie
         wide = np.diff(np.sqrt(slants**2 - 10.0**2))[0]
         assert along == pytest.approx(20 * 0.2, abs=0.45)
         assert across == pytest.approx(wide, abs=0.4)
-    press(viewer, "m")
+    press_shortcut(viewer.window, "m")
     assert not view.measuring
     assert view._marks.line is None
 
@@ -168,7 +157,7 @@ def mark_two(viewer, panel, qtbot):
         QTest.mouseMove(view, view.place_of(mark))
         qtbot.waitUntil(lambda: panel._hovered is not None)
         panel._hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
-        press(viewer, "c")
+        press_shortcut(viewer.window, "c")
         qtbot.waitUntil(lambda number=number: len(panel.contacts) == number)
 
 

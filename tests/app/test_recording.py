@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front, drop, picture_of
+from controls import bring_to_front, choose, drag, drop, picture_of
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
@@ -143,8 +143,7 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, fol
     open_recording(viewer, folder / "record.xtf", qtbot)
     assert not viewer.tow.running, "a recording is opened paused"
     assert viewer.recordings.top == PINGS - 1
-    viewer.window.speed.setCurrentIndex(SPEEDS.index(4.0))
-    viewer.window.speed.activated.emit(viewer.window.speed.currentIndex())
+    choose(viewer.window.speed, SPEEDS.index(4.0))
     viewer.run(True)
     qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < PINGS - 1)
     assert viewer.window.record_a.top == viewer.recordings.top
@@ -234,9 +233,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, q
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
     alone = view.grab().toImage()
-    index = list(Arrangement).index(Arrangement.WIPED)
-    panel.arrangement.setCurrentIndex(index)
-    panel.arrangement.activated.emit(index)
+    choose(panel.arrangement, list(Arrangement).index(Arrangement.WIPED))
     qtbot.waitUntil(lambda: view.width() > alone.width())
     assert not viewer.window.record_a.isVisible()
     # 400 pings of 0.2 m within ±60 m, over 256 of 0.2 m within ±50 m.
@@ -253,9 +250,7 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, q
     assert abs(pointed[-1].ping - (viewer.recordings.top - 128)) <= 1
     assert not overlay.covers(QPoint(overlay.split + 20, plot.center().y()))
     middle = QPoint(overlay.split, plot.center().y())
-    QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=middle)
-    QTest.mouseMove(overlay, QPoint(plot.left() + plot.width() // 4, middle.y()))
-    QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=middle)
+    drag(overlay, middle, QPoint(plot.left() + plot.width() // 4, middle.y()))
     assert overlay.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
     view.grab()
     assert picture_of(viewer.window.record_a).shape[1] == view.plot_area.width(), "as fine as the live record"

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from controls import activate
+from controls import activate, drag
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
@@ -53,7 +53,7 @@ def turned_by(viewer, key: Qt.Key) -> np.ndarray:
 
 
 def test_an_arrow_turns_the_scene_as_a_drag_does_and_neither_over_nor_below_the_bed(viewer):
-    for key, drag in (
+    for key, way in (
         (Qt.Key.Key_Left, QPoint(-30, 0)),
         (Qt.Key.Key_Right, QPoint(30, 0)),
         (Qt.Key.Key_Up, QPoint(0, -30)),
@@ -65,9 +65,7 @@ def test_an_arrow_turns_the_scene_as_a_drag_does_and_neither_over_nor_below_the_
         assert np.linalg.norm(away(viewer)) == pytest.approx(distance)
         widget, before = widget_of(viewer), angles(viewer)
         middle = widget.rect().center()
-        QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=middle)
-        QTest.mouseMove(widget, middle + drag)
-        QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=middle + drag)
+        drag(widget, middle, middle + way)
         dragged = (angles(viewer) - before + 180.0) % 360.0 - 180.0
         assert np.argmax(np.abs(dragged)) == np.argmax(np.abs(turn))
         assert np.sign(dragged[np.argmax(np.abs(turn))]) == np.sign(turn[np.argmax(np.abs(turn))])

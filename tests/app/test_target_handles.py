@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from controls import drag
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
@@ -18,14 +19,6 @@ BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "headi
 @pytest.fixture
 def one_box(small):
     return edit(small, {"targets": [BOX], "sonar.bins": 400})
-
-
-def drag(widget, start: QPoint, end: QPoint, steps: int = 5):
-    QTest.mouseMove(widget, start)
-    QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
-    for k in range(1, steps + 1):
-        QTest.mouseMove(widget, start + (end - start) * k / steps)
-    QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
 
 
 def number_of(viewer, action: str, target: int = 0) -> int:

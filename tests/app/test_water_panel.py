@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from controls import activate
+from controls import activate, drag
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
@@ -58,10 +58,7 @@ def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_
     wait_for_rays(viewer, qtbot)
     view = viewer.panels["water"].view
     start = handle(view)
-    qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=start)
-    for step in range(1, 6):
-        qtbot.mouseMove(view, start + QPoint(-4 * step, 2 * step))
-    qtbot.mouseRelease(view, Qt.MouseButton.LeftButton, pos=start + QPoint(-20, 10))
+    drag(view, start, start + QPoint(-20, 10))
     water = viewer.session.scene.water
     assert water.sound_speed[1] < 1517.0
     assert water.depth[1] > 10.3

@@ -4,7 +4,7 @@ from threading import Event
 
 import numpy as np
 import pytest
-from controls import picture_of
+from controls import choose, picture_of
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
@@ -14,7 +14,7 @@ from stand_in import StandIn
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.simulation import prepare
-from insonify_viewer.widgets.field_rows import ChoiceRow, NumberRow
+from insonify_viewer.widgets.field_rows import NumberRow
 from insonify_viewer.widgets.save_dialogs import save_picture
 
 
@@ -25,11 +25,8 @@ def number_row(viewer, path: str) -> NumberRow:
 
 
 def pick(viewer, path: str, option: str):
-    row = viewer.panels["parameters"].view.row(path)
-    assert isinstance(row, ChoiceRow)
-    index = row.combo.findData(option)
-    row.combo.setCurrentIndex(index)
-    row.combo.activated.emit(index)
+    combo = viewer.panels["parameters"].view.row(path).combo
+    choose(combo, combo.findData(option))
 
 
 def drag(viewer, path: str, *positions: int):
@@ -58,8 +55,7 @@ def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(vie
     viewer.find_levels()
     waterfall = viewer.window.waterfall
     copper = picture_of(waterfall).copy()
-    viewer.window.palettes.setCurrentText("pen")
-    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
+    choose(viewer.window.palettes, "pen")
     pen = picture_of(waterfall).copy()
     assert (copper != pen).any()
     viewer.window.gain.setValue(100)

@@ -84,7 +84,7 @@ SWEPT = {(50, 0, 120), (50, 0, 187), (50, 1, 171), (50, 1, 300)}  # ping, side, 
 def test_the_terms_add_up_to_the_pixel_and_the_parts_are_those_of_the_sweep(name):
     simulation = prepared(SCENES[name])
     heard = 0
-    for ping in (25, 50, 60):
+    for ping in (50, 60):  # abeam of the pipe and of the ball
         record = simulation.intensity(np.array([ping], dtype=np.int64))[0]
         for side, pixel in itertools.product(range(2), (30, 101, 120, 155, 171, 187, 260, 300, 399)):
             explained = explain_pixel(simulation, ping, side, pixel)

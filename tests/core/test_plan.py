@@ -103,7 +103,7 @@ def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
     assert plan(small, 0.1, method="march").settings["step"] < plan(small, 1.0, method="march").settings["step"]
 
 
-@pytest.mark.parametrize("tolerance", [0.5, 0.2, 0.01, 1e-4, 1e-9])
+@pytest.mark.parametrize("tolerance", [0.5, 0.01, 1e-9])
 @pytest.mark.parametrize("method", ["march", "rays"])
 def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, monkeypatch):
     traced = []

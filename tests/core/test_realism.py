@@ -13,7 +13,7 @@ from insonify.accuracy import realism
 from insonify.accuracy.realism import UNKNOWN, compare_textures
 from insonify.statistics.image_textures import measure_texture
 
-realism.TREES = 40
+realism.TREES = 20
 RNG = np.random.default_rng(5)
 
 

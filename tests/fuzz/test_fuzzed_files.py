@@ -7,7 +7,7 @@ import pytest
 from fuzz.runner import Worker, fault, worker
 from fuzz.samples import SAMPLES
 
-FEW, MANY = 60, 10_000
+FEW, MANY = 24, 10_000
 
 
 @pytest.fixture(scope="module")

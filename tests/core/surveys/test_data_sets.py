@@ -40,7 +40,7 @@ def small(tmp_path_factory):
     """A data set of eight scenes, made by the command."""
     folder = tmp_path_factory.mktemp("small")
     path = write_set(folder)
-    assert cli.main(["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:1"]) == 0
+    assert run_here("dataset", str(path), "-o", str(folder / "set")) == 0
     return folder / "set"
 
 
@@ -336,6 +336,6 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
 def test_a_bundled_specification_makes_its_first_scenes(name):
     one = read_specification(name, DatasetSpecification, bundled_specifications("datasets"), {})
     base = load_scene(one.base)
-    for number in range(40):
+    for number in range(12):
         drawn = draw_scene(one, base, number)
         assert scene_from_toml(scene_to_toml(drawn.scene)) == drawn.scene

@@ -25,14 +25,14 @@ def undisturbed(tmp_path_factory):
     return contents(folder / "set")
 
 
-def words(folder):
+def words(folder, workers=1):
     path = write_set(folder, scenes=SCENES)
-    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]
+    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", f"local:{workers}"]
 
 
-def driver(folder, **options):
-    """Start the command on two workers in a process, and a group, of its own."""
-    command = [sys.executable, "-m", "insonify", *words(folder)]
+def driver(folder, workers=1, **options):
+    """Start the command in a process, and a group, of its own."""
+    command = [sys.executable, "-m", "insonify", *words(folder, workers)]
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell lets its background commands ignore it
         options.setdefault("preexec_fn", lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     return subprocess.Popen(
@@ -72,7 +72,7 @@ def ended_workers(process):
 
 
 def kill_and_go_on(folder, undisturbed, jobs):
-    process = driver(folder)
+    process = driver(folder, workers=2)
     wait_for_jobs(folder, jobs, process)
     process.kill()
     process.communicate(timeout=120)
@@ -94,7 +94,7 @@ def test_a_driver_killed_at_any_time_loses_nothing(tmp_path, undisturbed, jobs, 
 @pytest.mark.kill
 @pytest.mark.parametrize("jobs", range(10))
 def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
-    process = driver(tmp_path)
+    process = driver(tmp_path, workers=2)
     wait_for_jobs(tmp_path, jobs, process)
     tasks = Path(f"/proc/{process.pid}/task")
     children = [child for task in tasks.iterdir() for child in (task / "children").read_text().split()]
@@ -108,31 +108,32 @@ def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
     assert contents(tmp_path / "set") == undisturbed
 
 
-def test_a_run_that_is_killed_and_interrupted_keeps_what_is_done_and_goes_on(tmp_path, undisturbed):
-    done = set()
-    for number in (signal.SIGKILL, signal.SIGINT, signal.SIGTERM):
-        process = driver(tmp_path)
-        wait_for_jobs(tmp_path, len(done) + 2, process)
-        if number == signal.SIGINT:
-            os.killpg(process.pid, number)  # as a terminal sends it: to the workers as well
-        else:
-            process.send_signal(number)
-        complaint = process.communicate(timeout=120)[1]
-        assert ended_workers(process)
-        if number != signal.SIGKILL:
-            assert process.returncode == 128 + number
-            assert f"of {SCENES} jobs are finished and kept; repeat the command to resume" in complaint
-            assert len(complaint.splitlines()) == 1
-            assert not [name for name in contents(tmp_path / "set") if ".unfinished-" in name]
-        check_done(tmp_path, undisturbed)
-        assert done < done_jobs(tmp_path / "set")
-        done = done_jobs(tmp_path / "set")
-    assert run_here(*words(tmp_path)) == 0
-    assert done < done_jobs(tmp_path / "set")
-    assert contents(tmp_path / "set") == undisturbed
+def interrupt_and_check(folder, undisturbed, number):
+    """End a run by a signal after two more jobs; what was done before and since is kept."""
+    before = done_jobs(folder / "set")
+    process = driver(folder)
+    wait_for_jobs(folder, len(before) + 2, process)
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # as a terminal sends it: to the workers as well
+    else:
+        process.send_signal(number)
+    complaint = process.communicate(timeout=120)[1]
+    assert ended_workers(process)
+    if number != signal.SIGKILL:
+        assert process.returncode == 128 + number
+        assert f"of {SCENES} jobs are finished and kept; repeat the command to resume" in complaint
+        assert len(complaint.splitlines()) == 1
+        assert not [name for name in contents(folder / "set") if ".unfinished-" in name]
+    check_done(folder, undisturbed)
+    assert before < done_jobs(folder / "set")
 
 
-def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
+@pytest.mark.kill
+def test_a_request_to_end_keeps_what_is_done(tmp_path, undisturbed):
+    interrupt_and_check(tmp_path, undisturbed, signal.SIGTERM)
+
+
+def test_what_is_done_before_a_full_disk_a_kill_and_an_interrupt_is_kept_and_completed(tmp_path, undisturbed):
     limit = 4500  # bytes of a file: some images are larger
     # Python does not notice that it wrote a part of its own bytecode.
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
@@ -143,7 +144,11 @@ def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
     assert complaint.count("\n") == 1
     assert f"{tmp_path / 'set'}: File too large; check the path, its permissions and the disk" in complaint
     check_done(tmp_path, undisturbed)
+    for number in (signal.SIGKILL, signal.SIGINT):
+        interrupt_and_check(tmp_path, undisturbed, number)
+    done = done_jobs(tmp_path / "set")
     assert run_here(*words(tmp_path)) == 0
+    assert done < done_jobs(tmp_path / "set")
     assert contents(tmp_path / "set") == undisturbed
 
 
