@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 from insonify.commands import options
 from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
+from insonify.lessons.lesson import Lesson
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
 
 if TYPE_CHECKING:
-    from insonify.lessons.lesson import Lesson
     from insonify_viewer.state.inspection import Mark
 
 EXAMPLES = (

@@ -1,13 +1,11 @@
 """Connects one window with one session: edits go to the session, changes go to the worker, views and panels."""
 
-from __future__ import annotations
-
 import gc
 import time
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer
@@ -16,6 +14,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.arrays import Integers
 from insonify.display.display_options import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes, scene_to_toml
+from insonify_viewer.core_types import PackedScene
 from insonify_viewer.errors import Failure, describe_error
 from insonify_viewer.panels.panel import PanelSet, Workbench
 from insonify_viewer.record.comparison.comparison import Comparison
@@ -39,9 +38,6 @@ from insonify_viewer.work.jobs import JobList
 from insonify_viewer.work.ping_request import COARSE, FINE, INTERPOLATED, PingRequest, TracedPings, stamp_of
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import WaitingWatch
-
-if TYPE_CHECKING:
-    from insonify.packing.packed_scene import PackedScene
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits

@@ -1,15 +1,14 @@
 """Panels of the window: base class, what the window offers to them, and the events that they receive."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from psygnal import Signal
 
 from insonify.scene import Scene
+from insonify_viewer.core_types import Plan, Simulation
 from insonify_viewer.errors import Failure
 from insonify_viewer.panels import find_panels
 from insonify_viewer.record.comparison.comparison import Comparison
@@ -22,10 +21,6 @@ from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.work.jobs import JobList
 from insonify_viewer.work.simulator import Simulator
-
-if TYPE_CHECKING:
-    from insonify.planning import Plan
-    from insonify.simulation import Simulation
 
 
 class Place(Enum):

@@ -6,20 +6,15 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from insonify.explanation.words import PATH_NAMES, name_materials, name_part
+from insonify_viewer.core_types import LevelBed, RecordLabels, Simulation
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.executor import Executor
 from insonify_viewer.work.ping_request import TracedPings
-
-if TYPE_CHECKING:
-    from insonify.display.normalisation import LevelBed
-    from insonify.simulation import Simulation
-    from insonify.tracers.labels import RecordLabels
 
 Position = tuple[float, float, float]
 BED = -1

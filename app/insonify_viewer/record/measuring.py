@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from insonify.io.georeference import Georeference, to_degrees
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.state.inspection import Mark
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from insonify.display.picture import load_palette
 from insonify.optics.light import mixed_colour, shares_of
 from insonify.scene import Scene
 from insonify.scene.seabed.materials.catalogue import MATERIALS
+from insonify_viewer.core_types import Ground
 
 if TYPE_CHECKING:
-    from insonify.terrain.ground import Ground
     from insonify_viewer.seabed.pv_meshes import BedPatch
 
 FOG = (0.345, 0.570, 0.655)

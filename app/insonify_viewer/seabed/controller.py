@@ -14,6 +14,8 @@ from psygnal import Signal
 from insonify.arrays import Bytes, Floats, Singles
 from insonify.kernels.common.types import Mesh, Poses, Solids
 from insonify.scene import SceneError
+from insonify.scene.volumes import Volume
+from insonify_viewer.core_types import AnyGround, PackedScene, Simulation
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.drape import MosaicSheet, RecordStrip, drape_mosaic, drape_record
 from insonify_viewer.seabed.cameras import USUAL
@@ -25,10 +27,6 @@ from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
-    from insonify.packing.packed_scene import PackedScene
-    from insonify.scene.volumes import Volume
-    from insonify.simulation import Simulation
-    from insonify.terrain import AnyGround
     from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
 
     Vector = Floats

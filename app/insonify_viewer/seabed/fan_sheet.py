@@ -1,16 +1,11 @@
 """Sheet of the fan of one ping: it ends at what the sound meets; behind targets lies their acoustic shadow."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from insonify.arrays import Floats
-
-if TYPE_CHECKING:
-    from insonify.explanation.cross_section import CrossSection
-    from insonify.simulation import Simulation
+from insonify_viewer.core_types import CrossSection, Simulation
 
 STEP = 0.01  # rad, launch angle that one triangle fills at most, where the bed allows
 APART = 0.02  # m by which neighbouring stretches may lie apart and be drawn as one

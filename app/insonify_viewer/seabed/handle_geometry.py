@@ -1,22 +1,17 @@
 """Handles of targets in scene and record, what a drag changes, and where a line of sight ends."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from insonify.arrays import Floats
 from insonify.scene import Scene
 from insonify.scene.targets import Target
+from insonify_viewer.core_types import AnyGround, Simulation
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.quantities import nearest_within
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
-    from insonify.terrain import AnyGround
 
 Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize", "thicken", "raise"]

@@ -1,12 +1,10 @@
 """PyVista meshes of a scene: bed, targets, fish, track and scan line; without window or plotter."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyvista as pv
@@ -15,12 +13,9 @@ from insonify.arrays import Bytes, Floats, Integers, Singles
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.receiver.water_column import points_in_water
 from insonify.scene.targets.shape import rotation_matrix
+from insonify.scene.volumes import Volume
+from insonify_viewer.core_types import AnyGround, TowLine
 from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
-
-if TYPE_CHECKING:
-    from insonify.scene.volumes import Volume
-    from insonify.terrain import AnyGround
-    from insonify.tow.line import TowLine
 
 MESH_NODES = 257
 THINNED = 2  # every so many nodes are drawn while the view is turned

@@ -1,10 +1,7 @@
 """Moves, turns and resizes targets by their handles, each drag one step of undo."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from insonify.scene import Scene
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.seabed.controller import SeabedController
@@ -22,9 +19,6 @@ from insonify_viewer.seabed.handle_geometry import (
 from insonify_viewer.state.fields import name_field
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 ABOVE = 4  # a target that is brought into the record is shown this part of the screen below its edge
 DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height"}

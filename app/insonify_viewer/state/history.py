@@ -1,8 +1,7 @@
 """History of a session: scene, modelling, contacts and display before and after the present edit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 from insonify.display.display_options import DisplayOptions
 from insonify.io.contacts import Contact
@@ -23,22 +22,22 @@ class Modelling:
     # Subject and choice of the plan's entries that are forced; each subject at most once.
     forced: tuple[tuple[str, str], ...] = ()
 
-    def forcing(self, subject: str, choice: str | None) -> Modelling:
+    def forcing(self, subject: str, choice: str | None) -> Self:
         """Return a copy in which the choice of a subject is forced, or with None left to the plan again."""
         others = tuple(pair for pair in self.forced if pair[0] != subject)
         return replace(self, forced=others if choice is None else (*others, (subject, choice)))
 
-    def tolerating(self, tolerance: float) -> Modelling:
+    def tolerating(self, tolerance: float) -> Self:
         """Return a copy with another tolerance."""
         return replace(self, tolerance=tolerance)
 
     @property
-    def automatic(self) -> Modelling:
+    def automatic(self) -> Self:
         """A copy in which every choice is left to the plan."""
         return replace(self, forced=())
 
     @property
-    def coarse(self) -> Modelling:
+    def coarse(self) -> Self:
         """The coarse modelling that replaces it while a slider moves."""
         kept = tuple(pair for pair in self.forced if pair[0] not in OF_FINENESS)
         return replace(self, forced=(*kept, ("planes", "1"), ("rays", "1000")))
@@ -55,11 +54,11 @@ class State:
     display: DisplayOptions = field(default_factory=DisplayOptions)  # how records are shown
     edit: str = field(default="", compare=False)  # name of the edit that led to the state
 
-    def simulates_as(self, other: State) -> bool:
+    def simulates_as(self, other: Self) -> bool:
         """Whether another state has the same scene and the same modelling."""
         return (self.scene, self.modelling) == (other.scene, other.modelling)
 
-    def shows(self, other: State) -> bool:
+    def shows(self, other: Self) -> bool:
         """Whether another state differs by the display alone."""
         return self.simulates_as(other) and self.contacts == other.contacts
 

@@ -1,18 +1,13 @@
 """Clock of the tow: newest ping, ping on top of the screen, and when the tow pauses by itself."""
 
-from __future__ import annotations
-
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from insonify.arrays import Floats
 from insonify.kernels.common.types import Mesh, Poses, Solids
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
-    from insonify.terrain.ground import Ground
+from insonify_viewer.core_types import Ground, Simulation
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 MARGIN = 1 / 32  # of the record on screen, left below the first target

@@ -1,13 +1,11 @@
 """Opens files of every kind that the window takes: from dialogs, by drops, and from the list of recent ones."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from psygnal import Signal
@@ -22,6 +20,7 @@ from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigati
 from insonify.io.records import RECORDS
 from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, edit, load_scene
+from insonify_viewer.core_types import Ground
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.recording import is_recording
 from insonify_viewer.record.comparison.recording_player import RecordingPlayer
@@ -31,9 +30,6 @@ from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator
-
-if TYPE_CHECKING:
-    from insonify.terrain.ground import Ground
 
 SCENE = ".toml"
 TAKES = "a scene (.toml), a recording, contacts, a grid of heights, a mesh, a measured cast or navigation"

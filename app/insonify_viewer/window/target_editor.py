@@ -1,22 +1,18 @@
 """Adds targets to the scene."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from insonify.scene import SceneError, plain
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.seabed.target_handles import TargetHandles
 from insonify_viewer.state.session import Session
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.target_placement import needs_file, new_target
 from insonify_viewer.work.simulator import Simulator
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 
 class TargetEditor:

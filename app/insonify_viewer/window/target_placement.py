@@ -1,18 +1,14 @@
 """Placement of a new target: abeam of the pings on screen, so that it shows at once."""
 
-from __future__ import annotations
-
 import itertools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from insonify.scene import Scene, SceneError
 from insonify.scene.targets import TARGETS, Target
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
+from insonify_viewer.core_types import Simulation
 
 BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of the pings on screen, from the newest
 ABEAM = (-0.45, 0.45, -0.7, 0.7, -0.25, 0.25)  # of the farthest ground range, port positive

@@ -1,20 +1,14 @@
 """Requests of the window to the simulator, and its answers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from insonify.arrays import Booleans, Floats, Integers, Singles
 from insonify.scene import Scene
+from insonify_viewer.core_types import AnyGround, LevelBed, Simulation
 from insonify_viewer.state.history import Modelling
-
-if TYPE_CHECKING:
-    from insonify.display.normalisation import LevelBed
-    from insonify.simulation import Simulation
-    from insonify.terrain import AnyGround
 
 INTERPOLATED, COARSE, FINE, FINENESSES = 0, 1, 2, 3  # of a picture
 

@@ -1,13 +1,11 @@
 """Simulator thread between the window and the core: the newest request is prepared and traced."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from psygnal import Signal
@@ -15,16 +13,12 @@ from psygnal import Signal
 from insonify.arrays import Booleans, Floats, Integers, Singles
 from insonify.compiler.progress import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError, edit, load_scene
+from insonify_viewer.core_types import LevelBed, PackedScene, Simulation
 from insonify_viewer.errors import describe_error
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.executor import Executor, Lane, Progress, Receive, Work
 from insonify_viewer.work.ping_request import PingRequest, SimulatedScene, TracedPings, find_altitude, is_same_ground
 from insonify_viewer.work.waiting import Waiting
-
-if TYPE_CHECKING:
-    from insonify.display.normalisation import LevelBed
-    from insonify.packing.packed_scene import PackedScene
-    from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.08  # s, to trace the pings of a first picture while a slider moves; those between are interpolated

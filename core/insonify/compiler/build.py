@@ -1,14 +1,12 @@
 """What the numbers of a record depend on beside its scene: versions, the code of the kernels, system and processor."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import platform
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from numba.core.registry import cpu_target
 
@@ -29,7 +27,7 @@ class Build(NamedTuple):
     # Name, and a digest of the instructions that may be used: of multiplication and addition in one, of wider vectors.
     processor: str
 
-    def difference(self, other: Build) -> str:
+    def difference(self, other: Self) -> str:
         """Name what another build has instead; empty if it is the same."""
         pairs = ((name, getattr(other, name), getattr(self, name)) for name in self._fields)
         return ", ".join(f"{name} {there} instead of {here}" for name, there, here in pairs if there != here)

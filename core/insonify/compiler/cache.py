@@ -4,8 +4,6 @@ Beside that, Numba's own cache lacks this: a damaged file is noticed, processes 
 code, and versions of Numba keep theirs apart.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json
@@ -14,7 +12,7 @@ import pickle
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Self
 
 import llvmlite.binding as llvm
 import numba
@@ -35,7 +33,7 @@ class PartLibrary(JITCodeLibrary):
     optimised = True  # on its own; if not, with the callers' code alone
 
     @classmethod
-    def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> PartLibrary:
+    def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> Self:
         """Restore a library from its bitcode."""
         library = cls(codegen, name)
         library._shared_module = llvm.parse_bitcode(bitcode)
@@ -74,7 +72,7 @@ class _Locator:
             os.utime(self.folder)  # in use: `remove_unused` leaves it
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> _Locator:
+    def from_function(cls, function: Callable[..., Any], file: str) -> Self:
         return cls(function, file)
 
     def ensure_cache_path(self) -> None:

@@ -11,13 +11,11 @@ progress between two reports. Nothing is reported of kernels whose machine code 
 compilations of all threads.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 MINUTE = 60.0
 NEARLY = 0.98  # greatest share of the predicted time that is taken as passed
@@ -32,7 +30,7 @@ class Compilation(NamedTuple):
     reported: float = math.inf  # when, by `time.monotonic`
 
     @property
-    def by_now(self) -> Compilation:
+    def by_now(self) -> Self:
         """Progress at present, as predicted by the last report."""
         # The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
         if self.seconds_left is None:

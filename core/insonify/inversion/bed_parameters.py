@@ -1,12 +1,10 @@
 """Parameters of a learned bed, and the seabed and receiver of a scene that has them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cache
 from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -45,7 +43,7 @@ class BedParameters:
     diffuse: float  # Lambert's share of the material, in the middle of its patches
     mirrors: bool  # whether the material has a mirror lobe: that of the sediment nearest in level
 
-    def scaled(self, decibels: float) -> BedParameters:
+    def scaled(self, decibels: float) -> Self:
         """Material with its backscatter scaled by a gain, limited so that the albedo stays at most 1."""
         return replace(self, diffuse=min(self.diffuse * 10.0 ** (decibels / 10.0), 1.0))
 

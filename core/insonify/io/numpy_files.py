@@ -1,10 +1,8 @@
 """Arrays in files of NumPy; headers are checked before memory is allocated, and pickles are never read."""
 
-from __future__ import annotations
-
 import math
 import zipfile
-from typing import IO, Any
+from typing import IO, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +41,7 @@ class Archive:
             self.file.close()
             raise
 
-    def __enter__(self) -> Archive:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:

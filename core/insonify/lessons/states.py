@@ -1,12 +1,10 @@
 """States that a lesson passes through: the scene and the window's choices."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
-from typing import Any
+from typing import Any, Self
 
 from insonify.errors import SceneError
 from insonify.files import bundled_scenes
@@ -47,11 +45,11 @@ class LessonState:
         compute = QUANTITIES[name].compute
         return None if compute is None else compute(self.scene, *arguments)
 
-    def reader(self, before: LessonState | None = None) -> Reader:
+    def reader(self, before: Self | None = None) -> Reader:
         """Return what questions read: this state, and that before the move."""
         return Reader(self.value, self.quantity, None if before is None else before.reader())
 
-    def moved(self, move: Mapping[str, Any]) -> LessonState:
+    def moved(self, move: Mapping[str, Any]) -> Self:
         """Return the state after a move."""
         inside, outside = split_move(move)
         scene = edit(self.scene, inside) if inside else self.scene

@@ -1,11 +1,9 @@
 """Scenes from plain values and from edits of another scene, with one-sentence errors."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 from pydantic import BaseModel, ValidationError
 
@@ -145,7 +143,7 @@ class _Switched(str):
 
     before: str
 
-    def __new__(cls, kind: str, before: str) -> _Switched:
+    def __new__(cls, kind: str, before: str) -> Self:
         """Return the name of a kind with that of the kind it replaces."""
         switched = super().__new__(cls, kind)
         switched.before = before

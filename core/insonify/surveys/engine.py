@@ -3,8 +3,6 @@
 A job is named by the content of what it depends on. Its files appear first, then the flag that marks it as done.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math
@@ -18,7 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, Self
 
 from insonify.errors import SceneError
 from insonify.io.atomic import clear_ended, terminated_cleanly, unfinished_folder
@@ -57,7 +55,7 @@ class Work(Protocol):
         it counts what was made, and is sent back to the driver.
         """
 
-    def begun(self) -> Work:
+    def begun(self) -> Self:
         """Return the work with what its jobs share, made once before any of them is done."""
 
     def warm_up(self) -> None:

@@ -1,7 +1,7 @@
 """Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from insonify.surveys import ALTITUDES
 SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
 
 
-@dataclass(frozen=True, eq=False)
-class Swath:
+class Swath(NamedTuple):
     """The pings of a record as lines on the map, from below the sonar to the farthest ground range."""
 
     nadir: Floats  # (pings, 2) easting and northing below the sonar, in metres
@@ -33,15 +32,11 @@ class Swath:
         steps = np.hypot(*np.diff(self.nadir, axis=0).T)
         return float(np.median(steps)) if steps.size else 0.0
 
-    def energy(self, ping: int, ground_range: Floats) -> Floats:
-        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin."""
-        # A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
-        slant = np.hypot(ground_range, self.altitude[ping])
-        position = slant / self.bin_length
-        inside = position < self.amplitude.shape[2]
-        bins = np.where(inside, position, 0.0).astype(np.int64)
-        heard = self.amplitude[ping][:, bins].astype(np.float64) ** 2
-        return np.where(inside, heard, np.nan)
+    @property
+    def corners(self) -> Floats:
+        """Lower left and upper right corner of the rectangle that holds the swath, (2, 2)."""
+        points = np.concatenate([self.nadir, self.ends.reshape(-1, 2)])
+        return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
 def choose_map(name: str, record: Dataset, crs: str | None) -> str:

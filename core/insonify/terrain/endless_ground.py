@@ -1,12 +1,10 @@
 """Endless ground: tiles and windows computed on demand, or one rectangle at once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +82,7 @@ class EndlessGround:
         (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
         return self.window(int(cell[0]), int(cell[1]), half)
 
-    def thinned(self, every: int) -> EndlessGround:
+    def thinned(self, every: int) -> Self:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         if every == 1:
             return self
@@ -130,7 +128,7 @@ class EndlessExcerpt(EndlessGround):
     rectangle: Ground  # over which all pings are traced, whatever their window
 
     @classmethod
-    def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> EndlessExcerpt:
+    def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> Self:
         """Return an excerpt with the rectangle between two corners, x and y in local metres."""
         shared = {field.name: getattr(whole, field.name) for field in fields(whole)}
         return cls(**shared, make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
@@ -156,7 +154,7 @@ class EndlessExcerpt(EndlessGround):
             return self.make(_nodes_between(low, high, self.spacing))
         return self.rectangle
 
-    def thinned(self, every: int) -> EndlessExcerpt:
+    def thinned(self, every: int) -> Self:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         thin = super().thinned(every)
         assert isinstance(thin, EndlessExcerpt)

@@ -1,11 +1,9 @@
 """The ground of a scene: heights and materials on one grid."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,11 +29,11 @@ class Ground:
     periodic: bool  # whether the bed repeats after nx by ny cells; if not, there is no bed outside
     datum: float  # world height of the mean bed, in metres (negative under water)
 
-    def around(self, centre: tuple[float, float], half: float) -> Ground:
+    def around(self, centre: tuple[float, float], half: float) -> Self:
         """Ground of a square around a point: this ground itself, which is stored as a whole."""
         return self
 
-    def thinned(self, every: int) -> Ground:
+    def thinned(self, every: int) -> Self:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0); a level bed gets wider cells."""
         if every == 1:
             return self
@@ -87,7 +85,7 @@ class Ground:
         return self._whole._interpolated(u, v)
 
     @cached_property
-    def _whole(self) -> Ground:
+    def _whole(self) -> Self:
         """The same ground with holes filled by the nearest heights."""
         holes = np.isnan(self.heights)
         if not holes.any():

@@ -1,20 +1,16 @@
 """Solved sonar equation of a scene: its terms in groups at a slant range, and sentences about both."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from insonify.acoustics.bed_materials import describe_limits, misfit
+from insonify.scene import Scene
 from insonify.scene.seabed.materials import Material
-
-if TYPE_CHECKING:
-    from insonify.explanation.sonar_equation import Level, SonarEquation
-    from insonify.scene import Scene
+from insonify_viewer.core_types import Level, SonarEquation
 
 COMPARED = "Compared"  # heading of levels over one another, which have no terms
 

@@ -1,18 +1,14 @@
 """Picture of a chart with points to pick, and the record behind each point."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from insonify.arrays import Bytes, Singles
+from insonify_viewer.core_types import AccuracyChart, AccuracyRow
 from insonify_viewer.state.quantities import format_duration, nearest_within
-
-if TYPE_CHECKING:
-    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 DPI = 150.0
 

@@ -1,19 +1,15 @@
 """Measures charts of the current scene and shows them in a window of their own."""
 
-from __future__ import annotations
-
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from insonify.scene import Scene, SceneError
+from insonify_viewer.core_types import AccuracyChart, AccuracyRow
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
 from insonify_viewer.panels.chart.view import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.work.executor import Progress
 from insonify_viewer.work.jobs import BackgroundJob, State, ThreadJob
-
-if TYPE_CHECKING:
-    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow
 
 
 class ChartPanel(Panel):

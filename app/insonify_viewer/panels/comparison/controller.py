@@ -1,12 +1,11 @@
 """Keeps and opens records as A, shows what B changes, and measures a recording beside the simulated record."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from insonify.arrays import Dataset
 from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.record.comparison.arrangement import find_pairs
@@ -14,9 +13,6 @@ from insonify_viewer.record.comparison.recording import Recording, describe_poin
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.jobs import BackgroundJob, State
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 Measured = dict[str, str] | str  # statistics in words by their names, or why there are none
 

@@ -1,12 +1,10 @@
 """Effects that can be taken out of a scene, such as speckle, and what each changes of the record."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +13,7 @@ from insonify.arrays import Integers
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.edit import part_at
 from insonify.scene.water import WaterKind
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.panels.parameters.values import value_at
 from insonify_viewer.record.comparison.record_difference import (
     NOTHING_SEEN,
@@ -27,9 +26,6 @@ from insonify_viewer.record.comparison.record_difference import (
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.work.simulator import Simulator
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 Changes = dict[str, Any]
 KEPT = 32  # scenes whose figures are kept, for undo and redo

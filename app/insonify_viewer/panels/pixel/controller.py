@@ -1,25 +1,18 @@
 """Explains the pinned pixel on another thread, and finds the pixels with echoes of a picked place."""
 
-from __future__ import annotations
-
 from dataclasses import astuple, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from insonify.explanation.words import describe_brightness
 from insonify.scene import Scene, SceneError
+from insonify_viewer.core_types import CrossSection, Listener, PixelExplanation, Simulation
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.pixel.view import PixelView
 from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.inspection import Mark, SoundDrawing
 from insonify_viewer.state.inspection import Place as ScenePlace
-
-if TYPE_CHECKING:
-    from insonify.explanation.cross_section import CrossSection
-    from insonify.explanation.listeners import Listener
-    from insonify.explanation.pixel import PixelExplanation
-    from insonify.simulation import Simulation
 
 AROUND = 600  # pings to either side of the ping on top that may receive echoes of a place
 

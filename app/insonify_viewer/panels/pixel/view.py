@@ -1,11 +1,9 @@
 """Summary and budget of a pixel beside its cross-section."""
 
-from __future__ import annotations
-
 import html
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
@@ -14,16 +12,13 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
+from insonify_viewer.core_types import CrossSection, PixelExplanation
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.text import ThemedText
-
-if TYPE_CHECKING:
-    from insonify.explanation.cross_section import CrossSection
-    from insonify.explanation.pixel import PixelExplanation
 
 HINT = (
     "Click a pixel of the record to see why it is bright or dark. Click a place in the 3-D view to light up the pixels "
@@ -92,7 +87,7 @@ class SectionScales:
     text: float = 1.0  # size of the text over the usual one
 
     @classmethod
-    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> SectionScales:
+    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> Self:
         """Fit a section into a widget; ``surfaced`` shows the sea surface too, ``text`` enlarges the margins."""
         bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
         sonar = float(section.sonar.place[2])

@@ -1,18 +1,14 @@
 """Shows the plan of the record on screen, forces its choices, and measures what that changes."""
 
-from __future__ import annotations
-
 import statistics
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from insonify_viewer.core_types import Plan
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.record.comparison.record_difference import RecordDifference, RecordSnapshot, compare_records
 from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.history import Modelling
-
-if TYPE_CHECKING:
-    from insonify.planning import Plan
 
 MOVED = 64  # pings by which a running tow moves on before the record is copied again
 

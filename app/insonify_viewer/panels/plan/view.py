@@ -1,16 +1,14 @@
 """Entries of the plan, modelled or left out, in the words of physics, each with a combo box that forces it."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify.files import resources
+from insonify_viewer.core_types import Plan, PlanEntry
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
@@ -20,9 +18,6 @@ from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
-
-if TYPE_CHECKING:
-    from insonify.planning import Plan, PlanEntry
 
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"

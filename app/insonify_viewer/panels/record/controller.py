@@ -1,9 +1,7 @@
 """Shows records by the display options, measures on them, and keeps contacts."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +9,7 @@ from insonify.arrays import Floats
 from insonify.io.contacts import Contact
 from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
+from insonify_viewer.core_types import Simulation
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.record.view import RecordView
 from insonify_viewer.record.comparison.recording import Recording
@@ -27,9 +26,6 @@ from insonify_viewer.record.projection import Zoom, row_factors
 from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark, mark_of
-
-if TYPE_CHECKING:
-    from insonify.simulation import Simulation
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
 OFTEN = 0.25  # s between two histograms of a record that grows

@@ -1,18 +1,12 @@
 """Traces the rays of the current scene, and edits its sound-speed profile."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from insonify.scene import Scene, SceneError
 from insonify.scene.water import UniformWater
 from insonify.scene.water.layered import ProfileWater
+from insonify_viewer.core_types import RayDiagram
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.water.view import WaterView
 from insonify_viewer.record.record import RecordGrowth
-
-if TYPE_CHECKING:
-    from insonify.display.ray_diagram.diagram import RayDiagram
 
 APART = 0.1  # m, least distance of neighbouring points of a profile
 SLOWEST, FASTEST = 1300.0, 1700.0  # m/s

@@ -1,9 +1,7 @@
 """A simulated record that is kept while the scene changes, and the fields that differ since."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -29,7 +27,7 @@ class KeptRecord:
         self.record = Record(pings_held(scene), scene.sonar.bins)
 
     @classmethod
-    def of(cls, record: Record, modelling: Modelling, answer: TracedPings) -> KeptRecord:
+    def of(cls, record: Record, modelling: Modelling, answer: TracedPings) -> Self:
         """Copy the pings of a record on screen that were traced for the request of an answer."""
         simulation = answer.simulation
         kept = cls(simulation.scene, modelling, SimulatedScene(simulation, answer.level))

@@ -1,10 +1,8 @@
 """Difference of two records of the same bins: relative rms, share that changes visibly, ratio of the mean levels."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -27,7 +25,7 @@ class RecordSnapshot:
     intensity: Singles  # (n, 2 bins) relative to a level bed, from far port to far starboard
 
     @classmethod
-    def of(cls, record: Record, scene: Scene) -> RecordSnapshot:
+    def of(cls, record: Record, scene: Scene) -> Self:
         """Copy the pings of a record."""
         held = record.ping >= 0
         return cls(scene, record.ping[held], np.square(record.amplitude[held]))

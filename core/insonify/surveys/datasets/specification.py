@@ -1,10 +1,8 @@
 """Specification of a data set: what its scenes have in common, what is drawn for each, and what is stored."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
@@ -38,7 +36,7 @@ class TargetGroup(Declaration):
     set: dict[str, Drawn] = parameter({}, "fields of the target by their paths: values or distributions")
 
     @model_validator(mode="after")
-    def _names_of_the_library(self) -> TargetGroup:
+    def _names_of_the_library(self) -> Self:
         known = bundled_meshes()
         strange = next((one for one in self.of if isinstance(one, str) and one not in known), None)
         if strange is not None:
@@ -67,7 +65,7 @@ class Images(Declaration):
     high: float = parameter(20.0, "level that is white", "dB", ge=-200.0, le=200.0)
 
     @model_validator(mode="after")
-    def _levels(self) -> Images:
+    def _levels(self) -> Self:
         if self.bits not in (8, 16):
             raise ValueError(f"bits: {self.bits} is not possible; give 8 or 16")
         if self.low >= self.high:
@@ -228,7 +226,7 @@ class DatasetSpecification(Declaration):
         return splits
 
     @model_validator(mode="after")
-    def _classes_differ(self) -> DatasetSpecification:
+    def _classes_differ(self) -> Self:
         names = self.classes
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
@@ -236,7 +234,7 @@ class DatasetSpecification(Declaration):
         return self
 
     @model_validator(mode="after")
-    def _whole_jobs(self) -> DatasetSpecification:
+    def _whole_jobs(self) -> Self:
         together = self.storage.scenes
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)

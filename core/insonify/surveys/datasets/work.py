@@ -1,12 +1,10 @@
 """Work of a data set: each job draws some scenes, simulates them, and stores the tiles of their records."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from insonify.scene import Scene, edit, scene_to_toml
 from insonify.simulation import simulate
@@ -55,7 +53,7 @@ class DatasetWork:
             self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
 
-    def begun(self) -> DatasetWork:
+    def begun(self) -> Self:
         """Return the work as it is: scenes have nothing to share."""
         return self
 

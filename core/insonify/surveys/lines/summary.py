@@ -3,7 +3,7 @@
 import io
 import math
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,7 +35,7 @@ class Coverage(NamedTuple):
     twice: float
 
 
-class StoredSwaths(Collection[Swath]):
+class StoredSwaths(Iterable[Swath]):
     """Swaths of records, read in every pass, so that only one is in memory at a time."""
 
     def __init__(self, folder: Path, files: Sequence[str]) -> None:
@@ -43,12 +43,6 @@ class StoredSwaths(Collection[Swath]):
         first = read_record(self._paths[0])
         self.place = find_georeference(first.attrs)
         self.crs = choose_map(self._paths[0], first, None)
-
-    def __len__(self) -> int:
-        return len(self._paths)
-
-    def __contains__(self, item: object) -> bool:
-        return False
 
     def __iter__(self) -> Iterator[Swath]:
         return (lay_swath(os.path.basename(path), read_record(path), self.crs) for path in self._paths)

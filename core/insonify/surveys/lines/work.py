@@ -3,15 +3,13 @@
 The lines are joined to one track with consecutive pings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -197,7 +195,7 @@ class SurveyWork:
         """Names of all jobs."""
         return [name_job(number, self.digest) for number in range(len(self.lines))]
 
-    def begun(self) -> SurveyWork:
+    def begun(self) -> Self:
         """Write the track, and plan the survey."""
         path = self.folder / FLAGS / TRACK
         path.parent.mkdir(parents=True, exist_ok=True)
