@@ -36,7 +36,7 @@ from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make, make_action, make_label, push_button, tick_box
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.layouts import fill, fill_grid
 from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
@@ -321,21 +321,17 @@ class ContactListView(QWidget):
 
     def _lay(self) -> None:
         self.form = QWidget()
-        form, tools = QGridLayout(self.form), QGridLayout()
-        form.setContentsMargins(0, 0, 0, 0)
-        for layout in (form, tools):
-            layout.setSpacing(5)
-        rows: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
-        for row, (text, field) in enumerate((rows | self.sizes | {"remark": self.note}).items()):
+        named: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
+        rows: list[tuple[QWidget, ...]] = []
+        for text, field in (named | self.sizes | {"remark": self.note}).items():
             label = make_label("name", text)
             label.setBuddy(field)
-            form.addWidget(label, row, 0)
-            form.addWidget(field, row, 1, 1, 1 if text in self.takes else 2)
-            if text in self.takes:
-                form.addWidget(self.takes[text], row, 2)
-        buttons = self.mark, self.jump, self.remove, self.open, self.save, self.report
-        for place, button in enumerate(buttons):
-            tools.addWidget(button, place // 3, place % 3)
+            rows.append((label, field, self.takes[text]) if text in self.takes else (label, field))
+        form = fill_grid(QGridLayout(self.form), rows, 3, margins=(0, 0, 0, 0))
+        buttons = (self.mark, self.jump, self.remove), (self.open, self.save, self.report)
+        tools = fill_grid(QGridLayout(), buttons, 3)
+        for layout in (form, tools):
+            layout.setSpacing(5)
         fill(QVBoxLayout(self), self.hint, self.list, self.form, tools, margins=(6, 6, 2, 6), spacing=5)
 
 
