@@ -33,12 +33,7 @@ def fill(
 
 
 def fill_grid(
-    grid: QGridLayout,
-    rows: Iterable[Sequence[QWidget]],
-    columns: int,
-    *,
-    first: int = 0,
-    margins: Margins | None = None,
+    grid: QGridLayout, rows: Iterable[Sequence[QWidget]], columns: int, first: int = 0, margins: Margins | None = None
 ) -> QGridLayout:
     """Put rows of parts into a grid, from its first row on; the last part of each reaches to the last column."""
     if margins is not None:
