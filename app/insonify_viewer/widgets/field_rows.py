@@ -6,13 +6,12 @@ from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QSizePolicy, QSlider, QWidget
+from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit, QMenu, QSizePolicy, QSlider, QWidget
 
 from insonify.scene.edit import parse_quantity
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.state.quantities import format_quantity, slider_position, slider_value
 from insonify_viewer.widgets.buttons import make, push_button, set_property
-from insonify_viewer.widgets.layouts import fill_grid
 from insonify_viewer.widgets.text import entry_name, literal
 
 STEPS = 1000
@@ -111,13 +110,9 @@ class FieldRow:
     """Row of a field: its name, and the widgets of its value."""
 
     def __init__(self, label: NameLabel, name: str, *widgets: QWidget) -> None:
-        self.label, self._widgets = label, widgets
+        self.label, self.parts = label, (label, *widgets)  # the parts stand in a grid of three columns
         for widget in widgets:
             widget.setAccessibleName(name)
-
-    def place(self, grid: QGridLayout, row: int) -> None:
-        """Put the row into a grid of three columns."""
-        fill_grid(grid, [(self.label, *self._widgets)], 3, row)
 
 
 class NumberRow(FieldRow):
@@ -161,11 +156,10 @@ class NumberRow(FieldRow):
         if about == self._about:
             return
         self._about = about
-        self.label.setEnabled(not idle)
-        self.label.explain(about)
-        for widget in self._widgets:
+        for widget in self.parts:
             widget.setEnabled(not idle)
             widget.setToolTip(about)
+        self.label.explain(about)
 
     def _moved(self, position: int) -> None:
         if self._showing or self._number.slider is None:

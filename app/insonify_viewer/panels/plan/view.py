@@ -34,10 +34,7 @@ class PlanView(SidePanel):
         super().__init__(parent)
         self._percent = 3.0  # the tolerance that is shown
         self._tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
-        tolerance = QGridLayout()
-        tolerance.setContentsMargins(6, 0, 2, 0)
-        self._tolerance.place(tolerance, 0)
-        self.column.addLayout(tolerance)
+        self.column.addLayout(fill_grid(QGridLayout(), [self._tolerance.parts], 3, margins=(6, 0, 2, 0)))
         self._totals, self._change = make_label("about"), make_label("change")
         tip = "Let the program choose everything again"
         self.automatic = push_button("Back to automatic", tip, style="file", wide=True)

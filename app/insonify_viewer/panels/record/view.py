@@ -172,19 +172,13 @@ class RecordView(SidePanel):
             self.ticks[name].toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
-        inner = QGridLayout(rows)
-        inner.setContentsMargins(0, 4, 0, 0)
-        for number, choice in enumerate(self.choices.values()):
-            choice.place(inner, number)
+        fill_grid(QGridLayout(rows), [row.parts for row in self.choices.values()], 3, margins=(0, 4, 0, 0))
         grid.addWidget(rows, len(TICKS), 0, 1, 2)
         grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
 
     def _gain_rows(self) -> QWidget:
         rows = QWidget()
-        grid = QGridLayout(rows)
-        grid.setContentsMargins(6, 6, 2, 6)
-        for number, row in enumerate(self.gains):
-            row.place(grid, number)
+        fill_grid(QGridLayout(rows), [row.parts for row in self.gains], 3, margins=(6, 6, 2, 6))
         return rows
 
     def _add_keys(self) -> None:
