@@ -48,7 +48,6 @@ class CompilationBar:
         self._progress.reach(compilation.done)
 
 
-
 class Progress(Protocol):
     """Where long work reports to."""
 
