@@ -22,7 +22,7 @@ from insonify.tracers import ray_sheets, rays
 FINE = {"bins": 500, "bin_length": 0.06}
 
 
-def test_error_by_hand():
+def test_errors_by_hand():
     curve = np.array([0.0, 0.0, 4.0, 2.0, 1.0])
     b = np.array([[9.0, 0.0, 4.0, 2.0, 0.0]])
     a = np.array([[0.0, 7.0, 8.0, 2.0, 1.0]])
@@ -32,16 +32,12 @@ def test_error_by_hand():
     assert errors.beyond == pytest.approx(1.0)
     assert errors.energy_bias == pytest.approx(1.0)
     assert errors.dark_leakage == pytest.approx(0.25)
-
-
-def test_bins_without_a_curve_do_not_count():
+    # Bins without a curve do not count.
     curve = np.array([0.0, 1.0, 1.0])
     errors = compute_errors(np.array([5.0, 1.0, 1.0]), np.ones(3), curve, first_bin=0, beyond_bin=1)
     assert errors == compute_errors(np.ones(3), np.ones(3), curve, first_bin=0, beyond_bin=1)
     assert errors.all_bins == errors.beyond == errors.energy_bias == errors.dark_leakage == 0.0
-
-
-def test_silent_reference():
+    # Of a silent reference any sound is infinitely wrong.
     quiet, loud, curve = np.zeros(4), np.ones(4), np.ones(4)
     assert compute_errors(quiet, quiet, curve, first_bin=0, beyond_bin=0).beyond == 0.0
     assert compute_errors(loud, quiet, curve, first_bin=0, beyond_bin=0).beyond == math.inf
@@ -122,18 +118,15 @@ def test_edges_moved_by_parts_of_bins(moved):
     assert found == pytest.approx([0.0, moved], abs=0.09)
 
 
-def test_a_lost_shadow_is_wrong_by_half_its_length():
+def test_lost_shadows_levels_and_shadows_to_the_end_of_the_range():
+    # A lost shadow is wrong by half its length.
     assert np.abs(find_edge_shifts(np.ones(BINS), stepped(100.0, 200.0))) == pytest.approx([50.0, 50.0], abs=1.0)
-
-
-def test_the_level_does_not_matter_and_no_shadow_has_no_edges():
+    # The level does not matter, and no shadow has no edges.
     b = stepped(100.0, 200.0)
     assert find_edge_shifts(3e-9 * b, 3e-9 * b) == [0.0, 0.0]
     assert find_edge_shifts(np.zeros(BINS), np.zeros(BINS)) == find_edge_shifts(b, np.ones(BINS)) == []
     assert find_edge_shifts(b, stepped(100.0, 105.0)) == []  # too short to be one
-
-
-def test_a_shadow_to_the_end_of_the_range_has_its_near_edge_alone():
+    # A shadow to the end of the range has its near edge alone.
     assert find_edge_shifts(stepped(303.0, 400.0), stepped(300.0, 400.0)) == pytest.approx([3.0])
 
 

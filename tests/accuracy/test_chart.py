@@ -62,7 +62,7 @@ def measured():
         return measure_chart(SMALL, pings=2)
 
 
-def test_every_method_is_measured(measured):
+def test_every_method_is_measured_and_what_the_reference_does_not_resolve_is_said(measured, tmp_path):
     methods = {"march", "rays", "sweep", "sweep, float64", "sweep, every 2nd node", "sweep, every 4th node"}
     methods |= {"sweep, whole segments", "sweep, segments to 3 %", "sweep, segments to 1 %"}
     assert methods <= {row.method for row in measured.rows}
@@ -72,9 +72,7 @@ def test_every_method_is_measured(measured):
     assert set(measured.scenes) == {False, True}
     of_both = [row.targets for row in measured.rows if not row.method.startswith("embree")]
     assert sum(of_both) == len(of_both) / 2
-
-
-def test_what_the_reference_does_not_resolve_is_said(measured, tmp_path):
+    # What the reference does not resolve is said.
     measured.save(tmp_path / "chart.csv")
     with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -83,26 +81,19 @@ def test_what_the_reference_does_not_resolve_is_said(measured, tmp_path):
         assert each["resolved"] == ("yes" if float(each["error_beyond"]) >= floor else "no")
 
 
-def test_more_rays_and_more_planes_are_nearer_the_truth(measured):
+def test_errors_fall_with_rays_planes_and_nodes_and_hardly_with_digits(measured):
     for method in ("rays", "sweep"):
         errors = [row.errors.beyond for row in measured.rows if row.method == method and not row.targets]
         assert errors[-1] < 0.2 * errors[0]
     errors = [row.errors.beyond for row in measured.rows if row.method == "rays" and not row.targets]
     assert all(later < earlier for earlier, later in itertools.pairwise(errors))
-
-
-def test_a_bed_of_fewer_nodes_is_cheaper_and_farther_from_the_truth(measured):
     found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
-    full, half, quarter = (
-        found[method, "16 planes"] for method in ("sweep", "sweep, every 2nd node", "sweep, every 4th node")
+    full, half, quarter, double = (
+        found[method, "16 planes"].errors.beyond
+        for method in ("sweep", "sweep, every 2nd node", "sweep, every 4th node", "sweep, float64")
     )
-    assert full.errors.beyond < half.errors.beyond < quarter.errors.beyond
-
-
-def test_double_precision_matters_little(measured):
-    found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
-    single, double = (found[method, "16 planes"].errors.beyond for method in ("sweep", "sweep, float64"))
-    assert single == pytest.approx(double, abs=1e-4)
+    assert full < half < quarter
+    assert full == pytest.approx(double, abs=1e-4)
 
 
 def test_what_the_division_of_segments_brings_over_a_rough_bed_is_charted():
@@ -164,9 +155,7 @@ def test_a_reference_is_given_up_after_any_ping(monkeypatch):
 def test_front_keeps_what_none_beats():
     slow = (row("rays", "16,000 rays", 1900.0, 0.005),)
     assert [each.setting for each in made(ROWS + slow).find_front(targets=False)] == ["1 plane", "16,000 rays"]
-
-
-def test_front_leaves_out_gains_that_the_reference_does_not_resolve():
+    # Gains that the reference does not resolve are left out.
     rows = (row("sweep", "1 plane", 12.0, 0.0100), row("sweep", "2 planes", 20.0, 0.0095))
     assert [each.setting for each in made(rows).find_front(targets=False)] == ["1 plane"]  # it moved by 0.001
 
@@ -249,13 +238,10 @@ def test_legend_notes_and_headings_are_whole_and_apart(both):
     assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
 
 
-def test_other_endings_are_refused(tmp_path):
+def test_other_endings_and_no_pings_are_refused(tmp_path):
     with pytest.raises(SceneError, match=r"chart\.pdf.*\.csv or \.json"):
         made().save(tmp_path / "chart.pdf")
     assert not list(tmp_path.iterdir())
-
-
-def test_no_pings_is_refused():
     with pytest.raises(SceneError, match="pings"):
         measure_chart(load_scene("default"), pings=0)
 
@@ -271,9 +257,7 @@ def test_a_power_law_is_found_with_its_spread():
     bent = fit_power_law(x, x**2 * np.exp([0.1, -0.1, -0.1, 0.1]))
     assert bent.exponent == pytest.approx(2.0)
     assert bent.spread == pytest.approx(math.sqrt(0.04 / 2.0 / (5.0 * math.log(2.0) ** 2)))
-
-
-def test_too_few_points_make_no_law():
+    # Too few points make no law.
     assert math.isnan(fit_power_law([1.0], [1.0]).exponent)
     assert fit_power_law([1.0], [1.0]).format_exponent() == ""
     assert fit_power_law([1.0, 2.0, 3.0], [0.0, 1.0, math.inf]).format_exponent() == ""

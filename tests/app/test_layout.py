@@ -10,10 +10,11 @@ from controls import activate
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
+from scenes_by_rows import scenes_by_rows
 
 import insonify_viewer
 from insonify.display.range_axis import SLANT, make_range_axis
-from insonify.scene import bundled_scenes, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
 from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
@@ -26,7 +27,7 @@ from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
 
-@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+@pytest.mark.parametrize("name", scenes_by_rows())
 def test_no_row_is_cut_off(name, qtbot, qapp):
     apply_theme(qapp)
     view = ParametersView()

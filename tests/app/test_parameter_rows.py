@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from controls import drag
 from PySide6.QtCore import QPoint, Qt
+from scenes_by_rows import scenes_by_rows
 
 from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
-from insonify.scene import SceneError, bundled_scenes, edit, load_scene
+from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.edit import parse_quantity
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
@@ -98,7 +99,7 @@ def values(sections: tuple[FieldSection, ...]) -> dict[str, Any]:
     return {field.path: field.value for section in sections for field in section.parameters}
 
 
-@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+@pytest.mark.parametrize("name", scenes_by_rows())
 def test_values_are_those_of_a_whole_description(name):
     scene = load_scene(name)
     sections, session, moved = sections_of(scene), Session(scene), 0

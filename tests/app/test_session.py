@@ -108,7 +108,11 @@ def test_a_sum_of_motions_has_every_swing(session):
     assert session.scene.track.motion.kind == "straight"
 
 
-def test_terrain_following_needs_an_altitude(session):
+def test_altitude_and_depth_take_turns_and_terrain_following_needs_an_altitude(session):
+    assert session.settle({"track.depth": 24.0})
+    assert session.scene.altitude == 6.0
+    assert session.settle({"track.altitude": 8.0})
+    assert session.scene.track.depth is None
     session.settle({"track.depth": 18.0})
     assert session.settle({"track.terrain_following": True})
     assert session.scene.track.altitude == 12.0
@@ -143,13 +147,6 @@ def test_dunes_pass_for_the_pattern_there_was(default):
     assert plain.scene.seabed.relief.law == default.sonar.law
 
 
-def test_altitude_and_depth_take_turns(session):
-    assert session.settle({"track.depth": 24.0})
-    assert session.scene.altitude == 6.0
-    assert session.settle({"track.altitude": 8.0})
-    assert session.scene.track.depth is None
-
-
 def test_diffuse_and_specular_share_what_arrives(session):
     sentences = heard(session)
     assert session.settle({"targets.0.material.diffuse": 0.8})
@@ -157,16 +154,13 @@ def test_diffuse_and_specular_share_what_arrives(session):
     assert "specular share lowered to 0.2" in sentences[-1]
 
 
-def test_light_leaves_the_water_out(default):
+def test_light_leaves_the_water_out_and_the_gain_makes_its_absorption_good(default):
+    scene = edit(default, {"receiver.tvg": "power", "water.absorption": 97.0})
+    assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
     session = Session(edit(default, {"receiver.reverberation": "volume"}))
     assert session.settle({"sonar.law": "light"})
     assert session.scene.sonar.law == "light"
     assert session.scene.receiver.reverberation.kind == "none"
-
-
-def test_the_gain_shows_the_absorption_it_makes_good(default):
-    scene = edit(default, {"receiver.tvg": "power", "water.absorption": 97.0})
-    assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
 
 
 def test_sliders_end_where_the_scene_does(default):
@@ -195,7 +189,7 @@ def test_drag_starts_from_what_is_settled(session, default):
     assert not session.history.undoable
 
 
-def test_contacts_marked_since_outlast_a_refused_scene(session, default):
+def test_contacts_and_a_look_outlast_a_refused_scene(session, default):
     contacts = ContactList(session)
     fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
     contacts.add(fish)
@@ -206,6 +200,10 @@ def test_contacts_marked_since_outlast_a_refused_scene(session, default):
     assert [each.name for each in contacts.all] == ["fish", "rock"]
     assert session.history.undoable == ("rock marked", "fish marked")
     assert not session.history.redoable
+    session.settle({"seed": 5})
+    session.show(gain=3.0)
+    session.take_back()
+    assert (session.scene, session.display.gain, session.history.undoable[0]) == (default, 3.0, "gain")
 
 
 def test_contacts_do_not_end_a_drag(session, default):
@@ -252,13 +250,6 @@ def test_a_look_and_back_and_an_edit_that_changes_nothing_are_no_steps(session, 
     assert session.history.undoable == ("altitude", "gain", "altitude")
 
 
-def test_a_look_outlasts_a_refused_scene(session, default):
-    session.settle({"seed": 5})
-    session.show(gain=3.0)
-    session.take_back()
-    assert (session.scene, session.display.gain, session.history.undoable) == (default, 3.0, ("gain",))
-
-
 def test_refusal_is_one_sentence(session, default):
     refused = []
     session.refused.connect(refused.append)
@@ -267,7 +258,7 @@ def test_refusal_is_one_sentence(session, default):
     assert session.scene == default
 
 
-def test_record_keeps_rows_and_knows_what_is_missing():
+def test_record_keeps_rows_newer_pings_above_and_knows_what_is_missing():
     record = Record(pings=8, bins=3)
     pings = np.array([9, 8, 7])
     amplitude = np.arange(18, dtype=np.float32).reshape(3, 2, 3)
@@ -279,10 +270,6 @@ def test_record_keeps_rows_and_knows_what_is_missing():
     assert list(record.missing(9, 4)) == [6, 5, 4, 3, 2]
     assert list(record.missing(9, 5)) == [9, 8, 7, 6, 5, 4, 3, 2]
     assert list(record.missing(2, 4)) == [2, 1, 0], "the tow starts at ping 0"
-
-
-def test_newer_pings_lie_above_older_ones():
-    record = Record(pings=8, bins=1)
     rows = record.rows(record.shown(13))
     assert list(np.diff(rows) % 8) == [1] * 7
 

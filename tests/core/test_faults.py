@@ -208,12 +208,10 @@ def test_a_command_needs_no_home(tmp_path, place):
 @pytest.mark.parametrize(
     ("environment", "options"),
     [
-        ({}, ("-W", "error")),
-        ({}, ("-O",)),
-        ({"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}, ()),
-        ({"LC_ALL": "C.UTF-8"}, ("-X", "dev")),
+        ({"LC_ALL": "C.UTF-8"}, ("-W", "error", "-O")),
+        ({"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}, ("-X", "dev")),
     ],
-    ids=["warnings are errors", "no assertions", "ASCII", "development mode"],
+    ids=["warnings are errors, no assertions", "ASCII, development mode"],
 )
 def test_a_command_is_the_same_in_any_interpreter_and_language(tmp_path, whole, environment, options):
     path = tmp_path / "Lübeck ☃.npz"

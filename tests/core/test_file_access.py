@@ -56,18 +56,17 @@ READERS = {
 
 
 @pytest.mark.parametrize("name", READERS)
-@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero")], ids=["pipe", "device"])
-def test_a_pipe_or_a_device_is_refused_at_once(tmp_path, name, make):
-    make(tmp_path / name)
-    with pytest.raises(SceneError, match=rf"{name}.* is a device or a pipe, not a file; give"):
-        READERS[name](str(tmp_path / name))
-
-
-@pytest.mark.parametrize("name", READERS)
-def test_a_folder_is_refused(tmp_path, name):
-    (tmp_path / name).mkdir()
-    with pytest.raises(SceneError, match=rf"{name}.* cannot be read \(Is a directory\); give"):
-        READERS[name](str(tmp_path / name))
+def test_a_pipe_a_device_and_a_folder_are_refused_at_once(tmp_path, name):
+    device = r"is a device or a pipe, not a file"
+    for number, (make, fault) in enumerate((
+        (os.mkfifo, device), (lambda path: path.symlink_to("/dev/zero"), device),
+        (os.mkdir, r"cannot be read \(Is a directory\)"),
+    )):  # fmt: skip
+        path = tmp_path / str(number) / name
+        path.parent.mkdir()
+        make(path)
+        with pytest.raises(SceneError, match=rf"{name}.* {fault}; give"):
+            READERS[name](str(path))
 
 
 NAMING = {

@@ -162,18 +162,16 @@ def folder(tmp_path, monkeypatch):
         monkeypatch.delitem(sys.modules, module)
 
 
-def test_one_new_file_adds_a_sub_command(folder, monkeypatch, capsys):
-    (folder / "greet.py").write_text(GREET)
-    monkeypatch.setattr(insonify.commands, "__path__", [*insonify.commands.__path__, str(folder)])
-    assert cli.main(["greet", "world"]) == 0
-    assert capsys.readouterr().out == "hello world\n"
-
-
-def test_an_installed_package_adds_a_sub_command(folder, monkeypatch, capsys):
-    (folder / "stranger_greet.py").write_text(GREET)
-    monkeypatch.syspath_prepend(folder)
-    entries = [EntryPoint("greet", "stranger_greet:register", cli.COMMANDS)]
-    monkeypatch.setattr(cli, "announced", lambda group: entries)
+@pytest.mark.parametrize("installed", [False, True])
+def test_one_new_file_or_an_installed_package_adds_a_sub_command(folder, monkeypatch, capsys, installed):
+    if installed:
+        (folder / "stranger_greet.py").write_text(GREET)
+        monkeypatch.syspath_prepend(folder)
+        entries = [EntryPoint("greet", "stranger_greet:register", cli.COMMANDS)]
+        monkeypatch.setattr(cli, "announced", lambda group: entries)
+    else:
+        (folder / "greet.py").write_text(GREET)
+        monkeypatch.setattr(insonify.commands, "__path__", [*insonify.commands.__path__, str(folder)])
     assert cli.main(["greet", "world"]) == 0
     assert capsys.readouterr().out == "hello world\n"
 

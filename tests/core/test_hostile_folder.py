@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import insonify
+from insonify.cli import main
 from insonify.files import resources
 from small_sets import SET, SURVEY
 from strangers import traces, write_modules
@@ -28,7 +29,10 @@ explain default --ping 3 --range 25
 mosaic record.nc -o mosaic.tif
 """
 # The process that reads files is part of the commands above; that which compiles is in compiler/test_processes.py.
-STARTING = ("survey survey.toml -o survey", "dataset set.toml -o set")  # processes of their own
+STARTING = (  # workers, both in the same way
+    pytest.param("survey survey.toml -o survey", marks=pytest.mark.slow),
+    "dataset set.toml -o set",
+)
 ONE_AFTER_THE_OTHER = """
 import sys
 from insonify.__main__ import load
@@ -42,7 +46,7 @@ for line in sys.stdin:
 def folder(tmp_path_factory):
     """A folder with a record, specifications, and a module of a stranger by every name that could be imported."""
     place = tmp_path_factory.mktemp("data")
-    assert run(place, "render", "default", "--set", "track.pings=160", "-o", "record.nc").returncode == 0
+    assert main(["render", "default", "--set", "track.pings=160", "-o", str(place / "record.nc")]) == 0
     (place / "set.toml").write_text(SET.replace("scenes = 8", "scenes = 1").replace("= 96", "= 64"))
     (place / "survey.toml").write_text(SURVEY.replace("24.0, 30.0", "24.0, 9.0").replace("0.0, 30.0", "0.0, 9.0"))
     write_modules(place)

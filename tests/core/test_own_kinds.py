@@ -77,20 +77,6 @@ def test_the_plan_and_the_truth_take_it_into_account():
     assert "coral" in truth.material.attrs["flag_meanings"]
 
 
-def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
-    scene = own_scene()
-    assert scene_from_toml(scene_to_toml(scene)) == scene
-    file = tmp_path / "ring.toml"
-    file.write_text(scene_to_toml(scene))
-    words = ["render", str(file), "--set", "targets.0.tube=0.8", "--set", "track.pings=3"]
-    for name in ("ring.nc", "ring.png"):
-        assert main([*words, "-o", str(tmp_path / name)]) == 0
-    with xr.open_dataset(tmp_path / "ring.nc") as record:
-        assert scene_from_toml(record.attrs["scene"]).targets[0].tube == 0.8
-    with pytest.raises(SceneError, match=r"targets\.0\.tube: -1 is out of bounds"):
-        edit(scene, {"targets.0.tube": -1})
-
-
 @pytest.mark.parametrize(
     "relief", [{"kind": "flat"}, {"period": 25.6}, {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}]
 )
@@ -234,11 +220,13 @@ def test_all_of_them_go_through_files_commands_and_records(tmp_path: Path):
         sonar__pulse="decay",
         water={"kind": "gradient", "absorption": {"kind": "square"}},
         track__motion={"kind": "drift"},
+        targets=own_scene().targets,
     )
     assert scene_from_toml(scene_to_toml(scene)) == scene
     file = tmp_path / "own.toml"
     file.write_text(scene_to_toml(scene))
-    changes = ["seabed.relief.wavelength=3.0", "sonar.pulse.time=1e-4", "water.absorption.factor=2.0", "track.pings=3"]
+    changes = ["seabed.relief.wavelength=3.0", "sonar.pulse.time=1e-4", "water.absorption.factor=2.0"]
+    changes += ["targets.0.tube=0.8", "track.pings=3"]
     words = [str(file), *(word for change in changes for word in ("--set", change))]
     for name in ("own.nc", "own.png"):
         assert main(["render", *words, "-o", str(tmp_path / name)]) == 0
@@ -247,9 +235,11 @@ def test_all_of_them_go_through_files_commands_and_records(tmp_path: Path):
         kept = scene_from_toml(record.attrs["scene"])
         assert kept.seabed.relief.wavelength == 3.0
         assert kept.sonar.pulse.time == 1e-4
+        assert kept.targets[0].tube == 0.8
         assert (record.intensity.values > 0.0).any()
-    with pytest.raises(SceneError, match=r"sonar\.beam\.width: -1 is out of bounds"):
-        edit(scene, {"sonar.beam.width": -1})
+    for path in ("sonar.beam.width", "targets.0.tube"):
+        with pytest.raises(SceneError, match=rf"{path}: -1 is out of bounds"):
+            edit(scene, {path: -1})
 
 
 def test_kinds_of_others_stand_behind_those_of_the_package():

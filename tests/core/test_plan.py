@@ -25,6 +25,12 @@ THERMOCLINE = {"water": {"kind": "profile", "depth": [0.0, 14.0, 22.0], "sound_s
 BARE = edit(DEFAULT, {"targets": []})
 
 
+@pytest.fixture(scope="module")
+def usual():
+    """The plan of the default scene."""
+    return plan(DEFAULT)
+
+
 def test_a_knife_or_a_bed_without_detail_needs_one_plane():
     knife = plan(edit(DEFAULT, {"sonar.beam": "knife"}))
     assert (knife.method, knife.planes) == ("sweep", 1)
@@ -168,10 +174,10 @@ def test_scatterers_that_interfere_are_swept_and_water_that_differs_along_the_le
     assert plan(edit(DEFAULT, SECTION)).method == "rays"
 
 
-def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on():
+def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on(usual):
     sparse = edit(DEFAULT, {"track.speed": 20.0})
     assert any("at every range" in line for line in plan(sparse).lines())
-    near = next(line for line in plan(DEFAULT).lines() if line.startswith("pings"))
+    near = next(line for line in usual.lines() if line.startswith("pings"))
     assert f"up to {0.2 / (2 * math.sin(math.radians(0.5))):.3g} m" in near
     dense = edit(DEFAULT, {"track.speed": 1.0})
     assert not any(line.startswith("pings") for line in plan(dense).lines())
@@ -185,21 +191,21 @@ def test_a_tow_that_never_comes_near_the_bed_is_refused():
         prepare(away)
 
 
-def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
-    entry = plan(edit(DEFAULT, THERMOCLINE)).entry("bending")
+def test_sound_that_bends_is_followed_and_what_it_matters_is_said(usual):
+    simulation = prepare(edit(DEFAULT, THERMOCLINE))
+    entry = simulation.plan.entry("bending")
     assert (entry.choice, entry.modelled) == ("refraction", True)
     measured = r"on \d+ pings straight rays are [\d.e+]+ % from refracted ones"
     assert re.fullmatch(rf"tables of apparent positions; {measured}", entry.reason)
-    entry = plan(edit(DEFAULT, THERMOCLINE)).entry("rays")
+    entry = simulation.plan.entry("rays")
     assert re.fullmatch(
         r"where several eigenrays or none reach a place, a ping is traced with \d+ rays per side", entry.reason
     )
-    simulation = prepare(edit(DEFAULT, THERMOCLINE))
     assert simulation.plan.method == "sweep"
     assert simulation.arrays.water.bent
     entry = plan(edit(DEFAULT, THERMOCLINE), method="rays").entry("bending")
     assert entry.reason.startswith("rays follow circular arcs; on ")
-    assert plan(DEFAULT).entry("bending") is None
+    assert usual.entry("bending") is None
 
 
 def test_bending_that_matters_less_than_the_tolerance_is_left_out():
@@ -234,23 +240,18 @@ SMALL = edit(
 PINGS = np.arange(0, 512, 64)
 
 
-def test_what_is_forced_is_taken_and_marked():
+def test_what_is_forced_is_taken_and_marked_but_for_what_the_scene_leaves_no_choice_about(usual):
     forced = {"planes": "16", "spacing": "2", "targets": "off"}
     chosen = plan(DEFAULT, forced=forced)
     assert (chosen.planes, chosen.model.every, chosen.model.targets) == (16, 2, ())
     marked = {entry.subject for entry in chosen.entries if entry.forced}
     assert marked == set(forced)
     assert not chosen.entry("targets").modelled
-    assert not any(entry.forced for entry in plan(DEFAULT).entries)
-
-
-def test_a_method_may_be_forced_like_any_other_choice():
+    assert not any(entry.forced for entry in usual.entries)
+    assert plan(DEFAULT, forced={"bending": "on", "surface_echo": "on", "bounces": "off"}) == usual
+    # A method may be forced like any other choice.
     assert plan(DEFAULT, forced={"method": "rays", "rays": "5000"}).settings == {"rays": 5000}
     assert plan(DEFAULT, forced={"method": "march", "step": "0.25"}).settings["step"] == 0.25
-
-
-def test_what_the_scene_leaves_no_choice_about_is_without_effect():
-    assert plan(DEFAULT, forced={"bending": "on", "surface_echo": "on", "bounces": "off"}) == plan(DEFAULT)
 
 
 @pytest.mark.parametrize(

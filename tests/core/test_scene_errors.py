@@ -58,6 +58,7 @@ WRONG = [
     ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
     ({"sonar.law": "radar"}, ["sonar.law", "'radar'", "'sonar' or 'light'"]),
     ({"sonar.rnage": 50}, ["sonar.rnage", "unknown key", "'range'"]),
+    ({"sonar.pulse": {"kind": "tone", "tone": 1}}, ["sonar.pulse.tone: unknown key", "one of kind, duration"]),
     (
         {"targets": [{"kind": "sphere", "position": [1.0, 2.0], "length": 4.0}]},
         ["targets.0.length", "belongs to kind 'pipe' or 'wreck' or 'aircraft', not to 'sphere'"],

@@ -105,22 +105,6 @@ def test_a_folder_of_the_user_is_not_replaced(tmp_path, capsys):
     assert (path / "thesis.txt").read_text() == "words"
 
 
-def test_a_failed_write_leaves_the_old_store(tmp_path):
-    record = long_record(5)
-    path = tmp_path / "a.zarr"
-    write_record(path, [record])
-    before = files_in(path)
-
-    def blocks():
-        yield record
-        raise OSError("disk full")
-
-    with pytest.raises(OSError, match="disk full"):
-        write_record(path, blocks())
-    assert files_in(path) == before
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_a_swap_that_fails_puts_the_old_folder_back(tmp_path, monkeypatch):
     final = tmp_path / "a.zarr"
     final.mkdir()

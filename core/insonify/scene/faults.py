@@ -92,15 +92,17 @@ def unit_at(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
 def _steps(location: tuple[int | str, ...], root: type[BaseModel]) -> Iterator[tuple[int | str, list[type[BaseModel]]]]:
     """Fields and positions along a path, each with the declarations that may contain it."""
     models: list[type[BaseModel]] = [root]
+    is_kind = False  # whether the step before was a kind, after which there is none: a key may be named like it
     for depth, step in enumerate(location):
         if isinstance(step, str) and depth and not any(step in model.model_fields for model in models):
             tagged = [model for model in models if kind_name(model) == step]
-            if tagged:
-                models = tagged
+            if tagged and not is_kind:
+                models, is_kind = tagged, True
                 continue
             if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
                 continue
         yield step, models
+        is_kind = False
         if isinstance(step, str):
             models = [child for model in models for child in models_of(model, step)]
 

@@ -151,9 +151,7 @@ def test_every_bundled_lesson_belongs_to_a_course_and_takes_some_minutes() -> No
     assert all(course.level and course.aims and course.assumes for course in load_courses())
     for course, lessons in groups:
         assert set(course.topics) == {step.topic for each in lessons for step in each.steps} - {""}
-
-
-def test_lessons_of_no_course_come_last() -> None:
+    # Lessons of no course come last.
     own = parse_lesson(LESSON, "width")
     groups = group_lessons((own, *load_lessons()))
     assert groups[-1][0].title == "Other lessons"

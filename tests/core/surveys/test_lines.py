@@ -33,10 +33,10 @@ def specification(**changes) -> SurveySpecification:
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    """A survey of three lines, made by the command on two workers."""
+    """A survey of three lines, made by the command on a worker."""
     folder = tmp_path_factory.mktemp("small")
     path = write_set(folder, SURVEY)
-    assert cli.main(["survey", str(path), "-o", str(folder / "survey"), "--scheduler", "local:2"]) == 0
+    assert cli.main(["survey", str(path), "-o", str(folder / "survey"), "--scheduler", "local:1"]) == 0
     return folder / "survey"
 
 
