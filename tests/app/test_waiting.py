@@ -28,7 +28,7 @@ def look(watch: WaitingWatch, now: float, missing: int, **given) -> Waiting | No
     return watch.look(now, missing=missing, **state | given)
 
 
-def test_a_wait_is_told_after_a_moment_with_the_share_done():
+def test_a_wait_is_told_after_a_moment_with_the_share_done_of_the_present_edit():
     watch = WaitingWatch()
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
@@ -36,23 +36,15 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done():
     assert look(watch, DELAY, 384, activity=Waiting("building the bed")) == Waiting("building the bed", None)
     assert look(watch, 1.0, 0) is None
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
+    assert look(watch, 3.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
+    assert look(watch, 3.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
 
 
-def test_the_share_is_that_of_the_present_edit():
-    watch = WaitingWatch()
-    look(watch, 0.0, 512)
-    assert look(watch, 1.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
-    assert look(watch, 1.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
-
-
-def test_a_record_that_follows_a_slider_is_not_waited_for():
+def test_a_record_that_follows_a_slider_or_a_tow_that_misses_a_few_pings_is_not_waited_for():
     watch = WaitingWatch()
     moves = range(40)
     assert [look(watch, 0.1 * k, 512, number=k + 1, arrived=k) for k in moves] == [None] * len(moves)
     assert look(watch, 4.0 + DELAY, 512, number=60, arrived=39) is not None, "but a slider that it does not follow is"
-
-
-def test_a_running_tow_always_misses_a_few_pings():
     watch = WaitingWatch()
     assert [look(watch, now, FEW, running=True) for now in (0.0, 1.0, 2.0)] == [None] * 3
     look(watch, 3.0, FEW + 1, running=True)

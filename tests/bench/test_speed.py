@@ -54,17 +54,3 @@ def test_a_fan_as_planned(say):
             f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
             f"{PINGS.size} pings on two threads, {100 * errors.beyond:.2f} % from 64 planes",
         )
-
-
-def test_from_a_slider_to_the_record(say):
-    # The altitude moves: what has been built of the bed stays.
-    altitudes = iter(np.linspace(8.0, 12.0, 1000))
-
-    def moved(tolerance):
-        return lambda: prepare(
-            edit(DEFAULT, {"track.altitude": float(next(altitudes))}), tolerance=tolerance
-        ).intensity(PINGS)
-
-    timings = time_calls({"coarse": moved(0.2), "fine": moved(0.03)}, rounds=7)
-    for name, timing in timings.items():
-        say(f"slider to record, {name}: {1e3 * timing.median:.0f} ms for {PINGS.size} pings")

@@ -110,14 +110,11 @@ def test_a_terminal_is_given_no_commands_by_a_title(capsys, tmp_path):
     assert capsys.readouterr().out == "a]0;ownedb\n"
 
 
-def test_scenes_lists_names_and_titles(capsys):
+def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(bundled_scenes())
     assert load_scene("pipe-span").title in lines[list(bundled_scenes()).index("pipe-span")]
-
-
-def test_scenes_says_what_some_of_them_show(capsys):
     assert main(["scenes", "figure-2a", "wreck"]) == 0
     said = capsys.readouterr().out
     assert max(map(len, said.splitlines())) <= 96

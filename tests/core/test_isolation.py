@@ -113,16 +113,12 @@ def doze(path: str) -> int:
     return 4
 
 
-def test_a_reader_that_waits_for_anything_is_ended(file, monkeypatch):
+def test_a_reader_that_waits_is_ended_but_time_stands_still_while_it_waits_for_a_processor(file, monkeypatch):
     assert run_isolated(chatter, file) == 3  # the process has started
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
     with pytest.raises(FileFault, match="takes longer than"):
         run_isolated(doze, file)
-
-
-def test_time_stands_still_while_a_reader_waits_for_a_processor(file, monkeypatch):
-    assert run_isolated(chatter, file) == 3  # the process has started
-    monkeypatch.setattr(isolation, "LONGEST", 0.5)
+    assert run_isolated(chatter, file) == 3
     monkeypatch.setattr(child_process, "STARVED", 60.0)
     monkeypatch.setattr(child_process, "processor_time", lambda process: (7.0, True))
     assert run_isolated(doze, file) == 4

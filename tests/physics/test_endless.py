@@ -60,7 +60,7 @@ def excess(one, seeds, tiles=2):
     return 10.0 * np.log10(ratio.mean(axis=0)), 4.34 * ratio.std(axis=0, ddof=1) / math.sqrt(len(ratio))
 
 
-@pytest.mark.parametrize("name", ["round", "peak", "lineated"])
+@pytest.mark.parametrize("name", [pytest.param("round", marks=pytest.mark.slow), "peak", "lineated"])
 def test_spectrum_is_the_declared_one(name):
     found, error = excess(SPECTRA[name], range(5))
     assert (np.abs(found) < 0.1 + 3.5 * error).all()
@@ -91,8 +91,17 @@ def test_tiles_are_what_one_shot_makes(name, monkeypatch):
     assert np.abs(tiled - shot).max() <= 1e-14 * np.abs(shot).max()
 
 
-@pytest.mark.parametrize("name", SPECTRA)
-@pytest.mark.parametrize("nodes", [Nodes(-700, 301, 260, 1000), Nodes(1021, -1023, 3, 2), Nodes(10**7 + 1, 5, 97, 31)])
+PLACES = Nodes(-700, 301, 260, 1000), Nodes(1021, -1023, 3, 2), Nodes(10**7 + 1, 5, 97, 31)
+
+
+@pytest.mark.parametrize(
+    ("name", "nodes"),
+    [
+        pytest.param(name, nodes, marks=[pytest.mark.slow] * (name != "peaks" and number != k % 3))
+        for k, name in enumerate(SPECTRA)
+        for number, nodes in enumerate(PLACES)
+    ],
+)
 def test_a_rectangle_has_the_values_of_its_tiles(name, nodes):
     bands, _ = parts(SPECTRA[name])
     field = EndlessField(bands, SPACING, 3, 1)

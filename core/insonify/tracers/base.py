@@ -148,12 +148,10 @@ class Tracer(PreparedTracer):
 
     def prepare(self, scene: Scene, arrays: SceneArrays) -> PreparedTracer:
         """Return the tracer for one scene: itself, or an object with what it keeps from ping to ping."""
-        del scene, arrays
         return self
 
     def refuse(self, scene: Scene) -> None:
         """Raise a SceneError if it cannot trace what a scene declares, beside what the attributes exclude."""
-        del scene
 
 
 def list_methods() -> tuple[str, ...]:
