@@ -52,12 +52,12 @@ class ArrayCache:
 
     def keep(self, function: Callable[Arguments, Kept]) -> Callable[Arguments, Kept]:
         """Return a function of hashable arguments that keeps its results, which must not be written to."""
-        # The results go with the function that is returned.
+        # The results go with the function that is returned. Those of a declaration hold for a ``version`` of its file.
         token = object()
 
         @wraps(function)
         def kept(*given: Arguments.args, **named: Arguments.kwargs) -> Kept:
-            key = (token, given, tuple(sorted(named.items())))
+            key = (token, given, _versions(given), tuple(sorted(named.items())))
             with self._lock:
                 if key in self._results:
                     return self._newest(key)
@@ -74,7 +74,7 @@ class ArrayCache:
 
     def find(self, function: Callable[..., Kept], *given: Hashable) -> Kept | None:
         """Return the result of a function that `keep` returned, if it is kept; it is not made."""
-        key = self._tokens.get(function), given, ()
+        key = self._tokens.get(function), given, _versions(given), ()
         with self._lock:
             return self._newest(key) if key in self._results else None
 
@@ -125,6 +125,10 @@ class ArrayCache:
             token = self._dead.popleft()
             for key in [key for key in self._results if key[0] is token]:  # type: ignore[index]
                 self._bytes -= self._results.pop(key)[1]
+
+
+def _versions(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(getattr(one, "version", None) for one in given)
 
 
 def _bytes_of(value: Any) -> int:

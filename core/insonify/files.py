@@ -70,17 +70,20 @@ def file_version(path: str | Path) -> tuple[int, int]:
 
 
 def kept_until_changed(maxsize: int) -> Callable[[Reader], Reader]:
-    """Decorate a reader so that the contents of the last files are kept in memory until the files change."""
+    """Decorate a reader of a path, or of a declaration with the ``version`` of a file: it keeps its last results.
+
+    They are kept in memory until the file changes.
+    """
 
     def decorate(read: Reader) -> Reader:
         @lru_cache(maxsize)
-        def read_version(version: tuple[int, int], path: str, *options: Any) -> Any:
-            del version  # part of the key alone
-            return read(path, *options)
+        def read_version(_: tuple[int, int] | None, source: Any, *options: Any) -> Any:
+            return read(source, *options)
 
         @wraps(read)
-        def reader(path: str, *options: Any) -> Any:
-            return read_version(file_version(path), path, *options)
+        def reader(source: Any, *options: Any) -> Any:
+            version = file_version(source) if isinstance(source, str) else source.version
+            return read_version(version, source, *options)
 
         return cast("Reader", reader)
 

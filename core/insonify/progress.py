@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
 DELAY = 2.0  # s, of compilation before the bar appears
+# Environment variable; ``lines`` sets one JSON object a line on standard error instead of a bar. Each holds ``doing``
+# (words), ``done`` and ``total`` (numbers) and ``unit``.
 VARIABLE = "INSONIFY_PROGRESS"
+APART = 0.1  # s, between two lines
+WAITING = 0.5  # s, between two looks at work of unknown length
+LEAST_WAITING = 1.0  # s, before a terminal shows it
+PREPARING = "preparing the bed and the plan"
+BARE = "{desc} {percentage:3.0f} % |{bar}|"  # bar of a share, which has no unit to count
 
 
 class CompilationBar:
@@ -41,35 +48,20 @@ class CompilationBar:
         self._progress.reach(compilation.done)
 
 
-"""Environment variable; ``lines`` sets one JSON object a line on standard error instead of a bar.
-
-Each holds ``doing`` (words), ``done`` and ``total`` (numbers) and ``unit``.
-"""
-APART = 0.1  # s, between two lines
-WAITING = 0.5  # s, between two looks at work of unknown length
-LEAST_WAITING = 1.0  # s, before a terminal shows it
-PREPARING = "preparing the bed and the plan"
-BARE = "{desc} {percentage:3.0f} % |{bar}|"  # bar of a share, which has no unit to count
-
-
 class Progress(Protocol):
     """Where long work reports to."""
 
     def advance(self, more: float) -> None:
         """Report that so much more is done."""
-        ...
 
     def reach(self, done: float) -> None:
         """Report how much is done by now, never less than before."""
-        ...
 
     def say(self, doing: str) -> None:
         """Say what is being done now."""
-        ...
 
     def close(self) -> None:
         """End the report."""
-        ...
 
 
 class _Bar:

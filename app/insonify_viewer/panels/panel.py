@@ -175,7 +175,9 @@ class Panel(Protocol):
         """Follow the opening and closing of the panel."""
 
     def closing(self) -> None:
-        """Stop all work; the window closes."""
+        """Stop all work; the window closes, and takes a window of the panel's own along."""
+        if self.place is Place.WINDOW and self.view is not None:
+            self.view.close()
 
 
 class PanelSet(dict[str, Panel]):

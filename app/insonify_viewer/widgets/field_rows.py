@@ -6,7 +6,7 @@ from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QSizePolicy, QSlider
+from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit, QMenu, QSizePolicy, QSlider, QWidget
 
 from insonify.scene.edit import parse_quantity
 from insonify_viewer.state.fields import ChoiceField, FileField, NumberField
@@ -106,13 +106,21 @@ class NameLabel(QLabel):
         menu.popup(event.globalPos())
 
 
-class NumberRow:
+class FieldRow:
+    """Row of a field: its name, and the widgets of its value."""
+
+    def __init__(self, label: NameLabel, name: str, *widgets: QWidget) -> None:
+        self.label, self.parts = label, (label, *widgets)  # the parts stand in a grid of three columns
+        for widget in widgets:
+            widget.setAccessibleName(name)
+
+
+class NumberRow(FieldRow):
     """Row of a number: its name, a slider, and a text field."""
 
     def __init__(self, number: NumberField, dragged: Change, settled: Change) -> None:
         self._number, self._dragged, self._settled = number, dragged, settled
         self._showing = False
-        self.label = NameLabel(number.label, number.about, number.indent)
         self._about = ""
         self.slider = _Slider()
         if number.slider is None:
@@ -122,18 +130,12 @@ class NumberRow:
         self.field.setFixedWidth(self.field.fontMetrics().horizontalAdvance(LONGEST) + 6)
         self.slider.valueChanged.connect(self._moved)
         self.slider.sliderReleased.connect(lambda: settled("", None))
-        for widget in (self.slider, self.field):
-            widget.setAccessibleName(number.name or number.label)
+        label = NameLabel(number.label, number.about, number.indent)
+        super().__init__(label, number.name or number.label, self.slider, self.field)
         self.field.editingFinished.connect(self._typed)
         # The keyboard focus returns to the window, where Space pauses.
         self.field.returnPressed.connect(self.field.clearFocus)
         self.show_value(number)
-
-    def place(self, grid: QGridLayout, row: int) -> None:
-        """Put the row into a grid of three columns."""
-        grid.addWidget(self.label, row, 0)
-        grid.addWidget(self.slider, row, 1)
-        grid.addWidget(self.field, row, 2)
 
     def show_value(self, number: NumberField) -> None:
         """Show another value, unless the slider is held."""
@@ -154,11 +156,10 @@ class NumberRow:
         if about == self._about:
             return
         self._about = about
-        for widget in (self.label, self.slider, self.field):
+        for widget in self.parts:
             widget.setEnabled(not idle)
-        self.label.explain(about)
-        for widget in (self.slider, self.field):
             widget.setToolTip(about)
+        self.label.explain(about)
 
     def _moved(self, position: int) -> None:
         if self._showing or self._number.slider is None:
@@ -181,14 +182,14 @@ class NumberRow:
             self._settled(number.path, int(value) if number.integer else value)
 
 
-class ChoiceRow:
+class ChoiceRow(FieldRow):
     """Row of a choice: its name and a combo box."""
 
     def __init__(self, choice: ChoiceField, settled: Change) -> None:
         self._choice, self._settled = choice, settled
-        self.label = NameLabel(choice.label, choice.about, choice.indent)
         self.combo = Combo()
-        self.combo.setAccessibleName(choice.name or choice.label)
+        label = NameLabel(choice.label, choice.about, choice.indent)
+        super().__init__(label, choice.name or choice.label, self.combo)
         for option in choice.options:
             name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")
             self.combo.addItem(name, option)
@@ -196,11 +197,6 @@ class ChoiceRow:
             self.combo.setItemData(place, meaning, Qt.ItemDataRole.ToolTipRole)
         self.combo.activated.connect(self._picked)
         self.show_value(choice)
-
-    def place(self, grid: QGridLayout, row: int) -> None:
-        """Put the row into a grid of three columns."""
-        grid.addWidget(self.label, row, 0)
-        grid.addWidget(self.combo, row, 1, 1, 2)
 
     def show_value(self, choice: ChoiceField) -> None:
         """Show another value."""
@@ -215,21 +211,15 @@ class ChoiceRow:
             self._settled(self._choice.path, value)
 
 
-class FileRow:
+class FileRow(FieldRow):
     """Row of a file: a button with its name, which asks for another."""
 
     def __init__(self, file: FileField, asked: Callable[[str], None]) -> None:
-        self.label = NameLabel(file.label, file.tooltip, file.indent)
         self.button = push_button("", file.tooltip, style="file")
-        self.button.setAccessibleName(file.name or file.label)
+        super().__init__(NameLabel(file.label, file.tooltip, file.indent), file.name or file.label, self.button)
         self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is clipped
         self.button.clicked.connect(lambda: asked(file.path))
         self.show_value(file)
-
-    def place(self, grid: QGridLayout, row: int) -> None:
-        """Put the row into a grid of three columns."""
-        grid.addWidget(self.label, row, 0)
-        grid.addWidget(self.button, row, 1, 1, 2)
 
     def show_value(self, file: FileField) -> None:
         """Show another name."""

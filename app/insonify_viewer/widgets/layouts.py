@@ -1,9 +1,10 @@
-"""Rows, columns and splitters that are filled in one call."""
+"""Rows, columns, grids and splitters that are filled in one call."""
 
+from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QBoxLayout, QLayout, QSplitter, QWidget
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLayout, QSplitter, QWidget
 
 Box = TypeVar("Box", bound=QBoxLayout)
 Margins = tuple[int, int, int, int]  # px: left, top, right, bottom
@@ -29,6 +30,18 @@ def fill(
         else:
             box.addWidget(part, int(part is growing))
     return box
+
+
+def fill_grid(
+    grid: QGridLayout, rows: Iterable[Sequence[QWidget]], columns: int, first: int = 0, margins: Margins | None = None
+) -> QGridLayout:
+    """Put rows of parts into a grid, from its first row on; the last part of each reaches to the last column."""
+    if margins is not None:
+        grid.setContentsMargins(*margins)
+    for row, parts in enumerate(rows, first):
+        for column, part in enumerate(parts, 1):
+            grid.addWidget(part, row, column - 1, 1, 1 if column < len(parts) else columns - column + 1)
+    return grid
 
 
 def make_splitter(way: Qt.Orientation, *parts: QWidget, sizes: tuple[int, ...] = ()) -> QSplitter:

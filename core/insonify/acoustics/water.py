@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insonify.arrays import Floats, Integers
+from insonify.files import kept_until_changed
 from insonify.kernels.common.types import Water, still_water
 from insonify.scene import Scene
 from insonify.scene.water import WaterKind
@@ -78,14 +78,9 @@ def _within(places: Floats, wanted: Floats) -> tuple[Integers, Floats]:
     return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
 
 
+@kept_until_changed(maxsize=16)
 def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
     """Sound speed of a declared water."""
-    return _kept_field(water, water.version)
-
-
-@lru_cache(maxsize=16)
-def _kept_field(water: WaterKind, version: tuple[int, int] | None) -> SoundSpeedField:
-    del version  # only part of the key: a changed file is read again
     depth, speed, distance, heading = water.sound_speeds()
     return SoundSpeedField(depth, distance, speed, heading)
 

@@ -47,8 +47,7 @@ def run(arguments: argparse.Namespace) -> None:
     say(level_line("  energy of the pulse", solved.energy, "source level and duration, times 1 s"))
     for level in (farther.bed, farther.target):
         say(f"{level.name}: {_where(farther.farthest(level), farther.slant_range[-1])}")
-    for line in [*describe_materials(scene), *scene.describe_limits()]:
-        say(line)
+    say(*describe_materials(scene), *scene.describe_limits())
     if path is not None:
         write_sonar_equation(path, solved)
         say(str(path))

@@ -31,6 +31,4 @@ def run(arguments: argparse.Namespace) -> None:
     with report_progress("measuring", 1.0, delay=1.0) as progress:
         measured = measure(scene, progress=progress.reach)
     measured.save(path)
-    for note in measured.summarise():
-        say(note)
-    say(str(path))
+    say(*measured.summarise(), str(path))

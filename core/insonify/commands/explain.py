@@ -42,8 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
     with report_waiting():
         simulation = prepare(scene, **how, forced=options.chosen_model(arguments))
-    for line in _table(explain_pixel(simulation, *pixel)):
-        options.say(line)
+    options.say(*_table(explain_pixel(simulation, *pixel)))
 
 
 def _table(explained: PixelExplanation) -> list[str]:

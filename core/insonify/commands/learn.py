@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
+from insonify.commands.options import add_frequency, add_many, add_output, chosen_output, is_record, say
 from insonify.errors import SceneError
 from insonify.io.records import RECORDS, read_record
 from insonify.progress import report_progress
@@ -23,13 +23,8 @@ def register(subparsers: Any) -> None:
     )
     parser.add_argument("record", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}")
     add_output(parser, (".toml",))
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
-        help="a field of sonar, water or receiver that the record lacks, e.g. sonar.beam.width=0.5; repeatable",
-    )
+    lacking = "a field of sonar, water or receiver that the record lacks, e.g. sonar.beam.width=0.5"
+    add_many(parser, "--set", "PATH=VALUE", lacking)
     add_frequency(parser)
     parser.set_defaults(run=run)
 
@@ -46,9 +41,6 @@ def run(arguments: argparse.Namespace) -> None:
 
     with report_progress("learning", 1.0, delay=1.0) as progress:
         learned = learn(record, changes, progress=progress.reach)
-    for line in learned.lines():
-        say(line)
+    say(*learned.lines())
     scene_file, *others = learned.write(path)
-    for written in others:
-        say(str(written))
-    say(f"{scene_file}: its record {learned.summarise()}")
+    say(*map(str, others), f"{scene_file}: its record {learned.summarise()}")

@@ -34,7 +34,6 @@ def run_list(arguments: argparse.Namespace) -> None:
     from insonify.lessons.courses import group_lessons  # lazy: no other command needs lessons
     from insonify.lessons.lesson import load_lessons  # lazy: no other command needs lessons
 
-    del arguments
     groups = group_lessons(load_lessons())
     width = max((len(lesson.name) for _, lessons in groups for lesson in lessons), default=0)
     wide = max((len(course.title) for course, _ in groups), default=0)

@@ -29,14 +29,13 @@ def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
         parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, metavar="SCENE", help=explained)
     else:
         parser.add_argument("scene", metavar="SCENE", help=explained)
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="PATH=VALUE",
-        help="set a field of the scene, e.g. sonar.beam.width=2.5; repeatable",
-    )
+    add_many(parser, "--set", "PATH=VALUE", "set a field of the scene, e.g. sonar.beam.width=2.5")
     parser.add_argument("--seed", metavar="N", help="same as --set seed=N")
+
+
+def add_many(parser: argparse.ArgumentParser, option: str, written: str, explained: str) -> None:
+    """Add an option that may be given several times."""
+    parser.add_argument(option, action="append", default=[], metavar=written, help=f"{explained}; repeatable")
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
@@ -51,13 +50,8 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerance", type=_share, default=0.03, metavar="E", help="relative error to accept (default: %(default)s)"
     )
-    parser.add_argument(
-        "--model",
-        action="append",
-        default=[],
-        metavar="SUBJECT=CHOICE",
-        help="set a choice of the plan yourself, e.g. planes=16 or bending=off; repeatable",
-    )
+    example = "planes=16 or bending=off"
+    add_many(parser, "--model", "SUBJECT=CHOICE", f"set a choice of the plan yourself, e.g. {example}")
 
 
 SIDES = ("port", "starboard")
@@ -234,9 +228,9 @@ def level_line(name: str, level: float, detail: str = "") -> str:
     return f"{name:<22}{number}  {detail}".rstrip()
 
 
-def say(line: str) -> None:
-    """Write a line to standard output."""
-    sys.stdout.write(f"{line}\n")
+def say(*lines: str) -> None:
+    """Write lines to standard output."""
+    sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
 def _count(text: str) -> int:

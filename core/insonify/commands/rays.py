@@ -38,10 +38,7 @@ def run(arguments: argparse.Namespace) -> None:
         scene, datum=build_ground(scene).datum, target=None if arguments.target is None else tuple(arguments.target)
     )
     write_ray_diagram(path, diagram)
-    for ray in diagram.eigenrays:
-        say(describe_eigenray(ray))
+    say(*map(describe_eigenray, diagram.eigenrays))
     if arguments.target is not None and not diagram.eigenrays:
         say("no ray reaches that point: it lies in a shadow zone")
-    for sentence in diagram.limits:
-        say(sentence)
-    say(str(path))
+    say(*diagram.limits, str(path))

@@ -35,8 +35,7 @@ def run(arguments: argparse.Namespace) -> None:
     found = compare_textures(first, second)
     for name, count in zip(arguments.folders, found.counts):
         say(f"{name}: {count} images")
-    for line in found.lines():
-        say(line)
+    say(*found.lines())
     if path is not None:
         with replacing(path) as beside:
             draw_realism(beside, found, (first, second), tuple(arguments.folders))

@@ -22,7 +22,6 @@ def register(subparsers: Any) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print a line for every target of the library."""
-    del arguments
     library = bundled_targets()
     width = max(map(len, library))
     for name, title in library.items():

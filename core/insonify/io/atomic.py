@@ -206,7 +206,6 @@ def terminated_cleanly(patience: float = AGAIN) -> Iterator[None]:
     reminders: list[threading.Timer] = []
 
     def leave(number: int, frame: object) -> NoReturn:
-        del frame
         reminders.append(threading.Timer(patience, interrupt_main_thread, (number,)))
         reminders[-1].daemon = True
         reminders[-1].start()

@@ -255,6 +255,11 @@ def angle(description: str, default: float = 0.0, *, rare: bool = False) -> Any:
     return parameter(default, description, "°", ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
 
 
+def share(default: float | None, description: str, *, most: float = 1.0, shown: float | None = None) -> Any:
+    """Declare a share from 0 up to the most, with a slider up to the share that is shown."""
+    return parameter(default, description, ge=0.0, le=most, slider=(0.0, most if shown is None else shown))
+
+
 def decibels(
     default: float | None, description: str, bounds: tuple[float, float], slider: tuple[float, float], **rare: bool
 ) -> Any:

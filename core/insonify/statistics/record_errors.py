@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
-from insonify.arrays import Reals
+from insonify.arrays import Floats, Reals
 from insonify.kernels.common.types import Poses, SceneArrays
 
 SSIM_COLUMNS = 7
@@ -37,10 +37,7 @@ class RecordErrors:
 
 def compute_errors(a: Reals, b: Reals, curve: Reals, *, first_bin: int, beyond_bin: int) -> RecordErrors:
     """Compute the errors of a record against its reference, given the flat-bed curve."""
-    level = np.broadcast_to(np.asarray(curve, dtype=np.float64), np.shape(b))[..., first_bin:]
-    scale = np.divide(1.0, level, out=np.zeros_like(level), where=level > 0.0)
-    one = np.asarray(a, dtype=np.float64)[..., first_bin:] * scale
-    other = np.asarray(b, dtype=np.float64)[..., first_bin:] * scale
+    one, other = (each[..., first_bin:] for each in _divide(np.asarray(curve, dtype=np.float64), a, b))
     start = max(beyond_bin - first_bin, 0)
     return RecordErrors(
         all_bins=_ratio(float(np.linalg.norm(one - other)), float(np.linalg.norm(other))),
@@ -80,18 +77,19 @@ class ErrorParts(NamedTuple):
 def split_error(arrays: SceneArrays, poses: Poses, a: Reals, b: Reals, bare: Reals) -> ErrorParts:
     """Split the error beyond 1.4 times the altitude of a record against its reference, given that without targets."""
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
-    one, other, without = (each[..., beyond:] for each in _over_flat_bed(arrays, poses, a, b, bare))
+    records = _divide(compute_flat_bed_curves(arrays, poses), a, b, bare)
+    one, other, without = (each[..., beyond:] for each in records)
     shadow, target = other < without / CHANGED, other > CHANGED * without
     whole = float(np.linalg.norm(other))
     parts = (~(shadow | target), shadow, target)
     return ErrorParts(*(_ratio(float(np.linalg.norm((one - other)[part])), whole) for part in parts))
 
 
-def _over_flat_bed(arrays: SceneArrays, poses: Poses, *records: Reals) -> list[Reals]:
-    """Divide records by the flat-bed curve of each ping."""
-    curve = np.broadcast_to(compute_flat_bed_curves(arrays, poses), np.shape(records[0]))
-    scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
-    return [record * scale for record in records]
+def _divide(curve: Reals, *records: Reals) -> list[Floats]:
+    """Divide records by a flat-bed curve."""
+    level = np.broadcast_to(curve, np.shape(records[0]))
+    scale = np.divide(1.0, level, out=np.zeros_like(level), where=level > 0.0)
+    return [np.asarray(record, dtype=np.float64) * scale for record in records]
 
 
 def measure_similarity(a: Reals, b: Reals) -> float:
@@ -122,7 +120,8 @@ class Displacement:
 def measure_displacement(arrays: SceneArrays, poses: Poses, a: Reals, b: Reals) -> Displacement:
     """Measure how far a record displaces the shadows and echoes of its reference."""
     beyond = find_first_bin(ERROR_ALTITUDES, arrays, poses)
-    sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in _over_flat_bed(arrays, poses, a, b)]
+    records = _divide(compute_flat_bed_curves(arrays, poses), a, b)
+    sides = [one.reshape(-1, arrays.bins)[:, beyond:] for one in records]
     edges = [moved for one, other in zip(*sides) for moved in find_edge_shifts(one, other)]
     echoes = [moved for one, other in zip(*sides) for moved in find_echo_shifts(one, other)]
     found = [moved for moved in echoes if not math.isnan(moved)]

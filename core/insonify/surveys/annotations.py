@@ -25,7 +25,6 @@ class AnnotationKind(Kind):
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
         """Suffix and content of files of one tile, by the folder beside that of the images."""
-        del tile, classes
         return {}
 
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> AbstractContextManager[Collector]:
@@ -37,7 +36,6 @@ class AnnotationKind(Kind):
             Of the data set.
         splits, classes : sequence of str
         """
-        del folder, splits, classes
         return nullcontext(_ignore)
 
 

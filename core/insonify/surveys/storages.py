@@ -65,7 +65,6 @@ class Files(StorageKind, kind="files", rank=10):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/images/SHELF/NAME.png``, the same below ``masks``, and annotations beside."""
-        del job
         for tile in tiles:
             place = folder / tile.told["split"]
             for beside, (suffix, content) in _members(tile).items():

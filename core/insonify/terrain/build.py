@@ -7,10 +7,11 @@ import numpy as np
 from insonify.array_cache import keep_arrays
 from insonify.arrays import Floats, Singles
 from insonify.errors import located
+from insonify.files import kept_until_changed
 from insonify.io.bathymetry import LARGEST_SIDE
 from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
-from insonify.scene.seabed.materials import Map, MaterialMap
+from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.dem import refine
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
@@ -30,8 +31,9 @@ FEWEST_CELLS = 3  # of a period, so that it contains a wave below the Nyquist fr
 Pits = tuple[Pit, ...]
 # Heights above the datum, their lattice, and the datum.
 _GridHeights = tuple[Singles, Lattice, float]
-# A map of materials, the version of its file, the period of the relief, the spacing, the seed and the map coordinates.
-_EndlessMap = tuple[MaterialMap, tuple[int, int] | None, float, float, int, Georeference | None]
+_kept_indices = keep_arrays(material_indices)
+# A map of materials, the period of the relief, the spacing, the seed and the map coordinates.
+_EndlessMap = tuple[MaterialMap, float, float, int, Georeference | None]
 
 
 def build_ground(scene: Scene) -> AnyGround:
@@ -46,7 +48,7 @@ def build_ground(scene: Scene) -> AnyGround:
     heights, lattice, datum = _heights(scene)
     return Ground(
         heights=heights if scene.seabed.relief.level else _dig(heights, lattice, scene.pits),
-        materials=_kept_materials(material.layout, material.version, lattice, scene.seed, place),
+        materials=_kept_indices(material.layout, lattice, scene.seed, place),
         names=names,
         reflectivities=reflectivities,
         x0=lattice.x0,
@@ -62,8 +64,7 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
     # The fields of the rectangle are not cached; those of tiles are computed when a tile is needed.
     heights = _endless_heights(*_endless_relief(scene))
     whole = _endless_ground(scene, lambda row, column: _kept_squares(*_endless_relief(scene), TILE)(row, column))
-    layout, _, period, spacing, seed, place = _endless_map(scene)
-    materials = endless_materials(layout, period, spacing, seed, place)
+    spacing, materials = scene.seabed.spacing, endless_materials(*_endless_map(scene))
 
     def make(nodes: Nodes) -> Ground:
         x0, y0 = nodes.column * spacing, nodes.row * spacing
@@ -122,7 +123,7 @@ def _endless_map(scene: Scene) -> _EndlessMap:
     """Return what the materials of endless ground depend on."""
     seabed, material = scene.seabed, scene.seabed.material
     place = scene.georeference if material.on_a_map else None
-    return material.layout, material.version, seabed.random_reliefs[0].period, seabed.spacing, scene.seed, place
+    return material.layout, seabed.random_reliefs[0].period, seabed.spacing, scene.seed, place
 
 
 def cells_of_period(period: float, spacing: float) -> int:
@@ -146,7 +147,7 @@ def _heights(scene: Scene) -> _GridHeights:
     if seabed.random_reliefs:
         return *_kept_period(seabed.random_reliefs, seabed.spacing, scene.seed), mean
     seed = scene.seed if relief.detail else 0
-    return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean, seed)
+    return _kept_samples(relief, seabed.spacing, scene.world.origin, mean, seed)
 
 
 @keep_arrays
@@ -185,14 +186,8 @@ def sample_heights(
 
 @keep_arrays
 def _kept_samples(
-    relief: ReliefKind,
-    version: tuple[int, int] | None,
-    spacing: float,
-    origin: tuple[float, float] | None,
-    mean: float,
-    seed: int,
+    relief: ReliefKind, spacing: float, origin: tuple[float, float] | None, mean: float, seed: int
 ) -> _GridHeights:
-    del version  # only part of the key: a changed file is read again
     grid = sample_heights(relief, spacing, origin, seed)
     ny, nx = grid.heights.shape
     lattice = Lattice((ny, nx), grid.spacing, grid.x0, grid.y0, periodic=not relief.measured)
@@ -200,14 +195,6 @@ def _kept_samples(
         return grid.heights.astype(np.float32), lattice, mean
     datum = float(np.nanmean(grid.heights))
     return (grid.heights - datum).astype(np.float32), lattice, datum
-
-
-@keep_arrays
-def _kept_materials(
-    layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int, place: Georeference | None
-) -> Map:
-    del version  # only part of the key, as above
-    return material_indices(layout, lattice, seed, place)
 
 
 @lru_cache(maxsize=GROUNDS)
@@ -222,15 +209,7 @@ def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pi
     return keep_arrays(lambda row, column: heights(Nodes(row * side, column * side, side, side)).astype(np.float32))
 
 
-@lru_cache(maxsize=GROUNDS)
-def _kept_map_tiles(
-    layout: MaterialMap,
-    version: tuple[int, int] | None,
-    period: float,
-    spacing: float,
-    seed: int,
-    place: Georeference | None,
-) -> Tiles:
-    del version  # only part of the key, as above
+@kept_until_changed(maxsize=GROUNDS)
+def _kept_map_tiles(layout: MaterialMap, period: float, spacing: float, seed: int, place: Georeference | None) -> Tiles:
     materials = endless_materials(layout, period, spacing, seed, place)
     return keep_arrays(lambda row, column: materials(Nodes.of_tile(row, column)))

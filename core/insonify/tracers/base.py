@@ -148,12 +148,10 @@ class Tracer(PreparedTracer):
 
     def prepare(self, scene: Scene, arrays: SceneArrays) -> PreparedTracer:
         """Return the tracer for one scene: itself, or an object with what it keeps from ping to ping."""
-        del scene, arrays
         return self
 
     def refuse(self, scene: Scene) -> None:
         """Raise a SceneError if it cannot trace what a scene declares, beside what the attributes exclude."""
-        del scene
 
 
 def list_methods() -> tuple[str, ...]:
@@ -164,8 +162,7 @@ def list_methods() -> tuple[str, ...]:
 
 def find_tracer(name: str) -> Tracer:
     """Return the tracer of a name, or raise `SceneError`."""
-    known = list_methods()
-    if name not in _DECLARED:
+    if name not in _DECLARED and name not in (known := list_methods()):
         raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(known)}")
     return _made(_DECLARED[name])
 

@@ -43,7 +43,6 @@ class Rays(Tracer):
 
     def work_of_ray(self, arrays: SceneArrays, model: Model) -> float:
         """Work of one ray up to its first hit."""
-        del arrays
         return REFRACTED_RAY if model.bent else RAY
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:

@@ -75,11 +75,6 @@ class ChartPanel(Panel):
         if path := self.widget.ask_where_to_save():
             self._workbench.simulator.send(lambda: chart.save(path), partial(self._tell, path))
 
-    def closing(self) -> None:
-        """Close the window; the measurement ends with the other jobs."""
-        if self.view is not None:
-            self.view.close()
-
     def _follow(self, job: BackgroundJob) -> None:
         """Show how far the measurement is, and what came of it."""
         if job is not self._measurement or not isinstance(job, ThreadJob):

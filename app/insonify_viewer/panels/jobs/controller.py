@@ -85,11 +85,6 @@ class JobsPanel(Panel):
         """Measure the known numerical failures."""
         self._jobs.begin("stability page", ["stability", "-o", str(path)], path)
 
-    def closing(self) -> None:
-        """Close the window."""
-        if self.view is not None:
-            self.view.close()
-
     def _show(self, job: BackgroundJob) -> None:
         if self.view is not None:
             self.view.show_job(job)

@@ -66,7 +66,6 @@ class LessonsPanel(Panel):
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Notice what was moved; leave the lesson when the person opens another scene."""
-        del settled
         if self.progress is None:
             return
         if scene.title != self.progress.start.scene.title:

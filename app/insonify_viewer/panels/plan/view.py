@@ -14,7 +14,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.quantities import format_duration
 from insonify_viewer.widgets.buttons import light, make_label, push_button
 from insonify_viewer.widgets.field_rows import Combo, NumberRow
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.layouts import fill, fill_grid
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
 from insonify_viewer.widgets.theme import scaled
@@ -34,10 +34,7 @@ class PlanView(SidePanel):
         super().__init__(parent)
         self._percent = 3.0  # the tolerance that is shown
         self._tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
-        tolerance = QGridLayout()
-        tolerance.setContentsMargins(6, 0, 2, 0)
-        self._tolerance.place(tolerance, 0)
-        self.column.addLayout(tolerance)
+        self.column.addLayout(fill_grid(QGridLayout(), [self._tolerance.parts], 3, margins=(6, 0, 2, 0)))
         self._totals, self._change = make_label("about"), make_label("change")
         tip = "Let the program choose everything again"
         self.automatic = push_button("Back to automatic", tip, style="file", wide=True)
@@ -138,14 +135,11 @@ class PlanLine(QWidget):
         self.combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.combo.setFixedWidth(scaled(self.combo, 104))
         self.combo.activated.connect(lambda _: force(self._subject, self.combo.currentData()))
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
+        rows = (self._choice, self.combo), (self._numbers,), (self._change,)
+        grid = fill_grid(QGridLayout(self), rows, 2, margins=(0, 0, 0, 0))
+        grid.setAlignment(self.combo, Qt.AlignmentFlag.AlignTop)
         grid.setVerticalSpacing(1)
         grid.setColumnStretch(0, 1)
-        grid.addWidget(self._choice, 0, 0)
-        grid.addWidget(self.combo, 0, 1, Qt.AlignmentFlag.AlignTop)
-        for row, words in enumerate((self._numbers, self._change), 1):
-            grid.addWidget(words, row, 0, 1, 2)
 
     def show_entry(self, entry: PlanEntry, forced: str | None) -> None:
         """Show what the choice is in the sea, how it is made and what it changes; the reason is in the tooltip."""

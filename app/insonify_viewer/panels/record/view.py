@@ -36,7 +36,7 @@ from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make, make_action, make_label, push_button, tick_box
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.layouts import fill, fill_grid
 from insonify_viewer.widgets.painting import Painted
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
@@ -172,19 +172,13 @@ class RecordView(SidePanel):
             self.ticks[name].toggled.connect(lambda on, name=name: self.changed.emit({name: on}))
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
-        inner = QGridLayout(rows)
-        inner.setContentsMargins(0, 4, 0, 0)
-        for number, choice in enumerate(self.choices.values()):
-            choice.place(inner, number)
+        fill_grid(QGridLayout(rows), [row.parts for row in self.choices.values()], 3, margins=(0, 4, 0, 0))
         grid.addWidget(rows, len(TICKS), 0, 1, 2)
         grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
 
     def _gain_rows(self) -> QWidget:
         rows = QWidget()
-        grid = QGridLayout(rows)
-        grid.setContentsMargins(6, 6, 2, 6)
-        for number, row in enumerate(self.gains):
-            row.place(grid, number)
+        fill_grid(QGridLayout(rows), [row.parts for row in self.gains], 3, margins=(6, 6, 2, 6))
         return rows
 
     def _add_keys(self) -> None:
@@ -321,21 +315,17 @@ class ContactListView(QWidget):
 
     def _lay(self) -> None:
         self.form = QWidget()
-        form, tools = QGridLayout(self.form), QGridLayout()
-        form.setContentsMargins(0, 0, 0, 0)
-        for layout in (form, tools):
-            layout.setSpacing(5)
-        rows: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
-        for row, (text, field) in enumerate((rows | self.sizes | {"remark": self.note}).items()):
+        named: dict[str, QWidget] = {"name": self.name, "class": self.classification, "confidence": self.confidence}
+        rows: list[tuple[QWidget, ...]] = []
+        for text, field in (named | self.sizes | {"remark": self.note}).items():
             label = make_label("name", text)
             label.setBuddy(field)
-            form.addWidget(label, row, 0)
-            form.addWidget(field, row, 1, 1, 1 if text in self.takes else 2)
-            if text in self.takes:
-                form.addWidget(self.takes[text], row, 2)
-        buttons = self.mark, self.jump, self.remove, self.open, self.save, self.report
-        for place, button in enumerate(buttons):
-            tools.addWidget(button, place // 3, place % 3)
+            rows.append((label, field, self.takes[text]) if text in self.takes else (label, field))
+        form = fill_grid(QGridLayout(self.form), rows, 3, margins=(0, 0, 0, 0))
+        buttons = (self.mark, self.jump, self.remove), (self.open, self.save, self.report)
+        tools = fill_grid(QGridLayout(), buttons, 3)
+        for layout in (form, tools):
+            layout.setSpacing(5)
         fill(QVBoxLayout(self), self.hint, self.list, self.form, tools, margins=(6, 6, 2, 6), spacing=5)
 
 

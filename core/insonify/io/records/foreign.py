@@ -1,16 +1,9 @@
 """Formats of side-scan and multibeam recordings that are known by name alone: another program converts them to XTF."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from insonify.arrays import Dataset
 from insonify.io.formats import FileFormat
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    Foreign = FileFormat[xr.Dataset]
-
+Foreign = FileFormat[Dataset]
 FISHFINDER = "export it as XTF, for example with SonarTRX or SonarWiz"
 SURVEY = "export it as XTF, for example with SonarWiz or with the program that recorded it"
 

@@ -176,7 +176,6 @@ class Choice(ABC):
         A cautious one, by which the choice is made, is a bound, which may weigh bins nearer than 1.4 altitudes too. The
         other is the error beyond them as measured, which a plan reports.
         """
-        del case, model, cautious
         return 0.0
 
     def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
@@ -265,13 +264,11 @@ class Doublings(Number):
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of the finer one by which it is judged."""
-        del case
         changes: list[dict[str, Any]] = [{self.field: number} for number in (rung, 2 * rung)]
         return model._replace(**changes[0]), model._replace(**changes[1])
 
     def rung(self, case: Case, model: Model) -> int:
         """Greatest rung that is not finer than a model, which is measured."""
-        del case
         first = self.first(model)
         return int(first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / first, 1.0))))
 

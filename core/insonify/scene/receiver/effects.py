@@ -1,7 +1,6 @@
 """Effects between echo and record: fluctuation, interference and ringing, one kind each, and reverberation."""
 
 import math
-from typing import Any
 
 from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, decibels, parameter
@@ -33,14 +32,6 @@ class ReverberationKind(Kind):
         return getattr(self, "surface_strength", None)
 
 
-def _volume_strength() -> Any:
-    return decibels(-70.0, "backscattering strength of a cubic metre of water", (-200.0, 0.0), (-100.0, -40.0))
-
-
-def _surface_strength() -> Any:
-    return decibels(-30.0, "backscattering strength of a square metre of the sea surface", (-200.0, 10.0), (-60.0, 0.0))
-
-
 class NoReverberation(ReverberationKind, kind="none", rank=10):
     """No reverberation: only the bed and the targets echo."""
 
@@ -48,20 +39,21 @@ class NoReverberation(ReverberationKind, kind="none", rank=10):
 class VolumeReverberation(ReverberationKind, kind="volume", rank=20):
     """Volume reverberation: the water echoes."""
 
-    volume_strength: float = _volume_strength()
+    volume_strength: float = decibels(
+        -70.0, "backscattering strength of a cubic metre of water", (-200.0, 0.0), (-100.0, -40.0)
+    )
 
 
 class SurfaceReverberation(ReverberationKind, kind="surface", rank=30):
     """Surface reverberation: the sea surface echoes."""
 
-    surface_strength: float = _surface_strength()
+    surface_strength: float = decibels(
+        -30.0, "backscattering strength of a square metre of the sea surface", (-200.0, 10.0), (-60.0, 0.0)
+    )
 
 
-class WholeReverberation(ReverberationKind, kind="both", rank=40):
+class WholeReverberation(SurfaceReverberation, VolumeReverberation, kind="both", rank=40):
     """Volume and surface reverberation."""
-
-    volume_strength: float = _volume_strength()
-    surface_strength: float = _surface_strength()
 
 
 class Lognormal(Kind, kind="lognormal"):

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from insonify.scene.base import Declaration, check_increasing, decibels, parameter
+from insonify.scene.base import Declaration, check_increasing, decibels, parameter, share
 
 MOST_GAIN = 200.0  # dB, either way
 Seconds = Annotated[float, Field(ge=0.0, le=1e9)]
@@ -25,18 +25,14 @@ class Recorder(Declaration):
     bits: Literal["float", 8, 16] = parameter(
         "float", "bits of the converter that records the amplitude; float: no rounding"
     )
-    full_scale: float | None = parameter(
+    full_scale: float | None = decibels(
         None,
         "level at which the converter clips (when left out: the greatest level of a flat bed of albedo 1, "
         "raised until a step of amplitude is a power of two; no clipping with float)",
-        "dB",
-        ge=-400.0,
-        le=400.0,
-        slider=(-150.0, 200.0),
+        (-400.0, 400.0),
+        (-150.0, 200.0),
     )
-    dropped_pings: float = parameter(
-        0.0, "share of pings that are lost and recorded as 0", ge=0.0, le=1.0, slider=(0.0, 0.1)
-    )
+    dropped_pings: float = share(0.0, "share of pings that are lost and recorded as 0", shown=0.1)
 
     @field_validator("gain")
     @classmethod

@@ -3,7 +3,6 @@
 import math
 from abc import abstractmethod
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from pydantic import ValidationError, field_validator
@@ -12,7 +11,7 @@ from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
 from insonify.io.file_access import guarded, read_text
-from insonify.scene.base import Family, FilePath, Kind, metres, parameter
+from insonify.scene.base import Family, FilePath, Kind, check_increasing, metres, parameter
 from insonify.scene.seabed.reliefs.spectrum import Density
 
 AUTOCORRELATIONS = Family("autocorrelations", "insonify.scene.seabed")
@@ -111,9 +110,8 @@ class TabledAutocorrelation(LinearAutocorrelation, kind="table", rank=30):
     def _ordered(cls, points: Points) -> Points:
         if points[0] != (0.0, 1.0):
             raise ValueError(f"must start at [0, 1], full correlation at lag 0, not at {list(points[0])}")
-        if any(after[0] <= before[0] for before, after in pairwise(points)):
-            raise ValueError("must have increasing lags; sort the points")
-        return points
+        checked: Points = check_increasing("lag", points)
+        return checked
 
     def tabulated(self) -> Points:
         """Return the declared points."""

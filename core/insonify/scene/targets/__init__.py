@@ -1,7 +1,6 @@
 """Targets on, in or over the bed: their base classes."""
 
 import math
-from functools import lru_cache
 from typing import Annotated, Any, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -9,6 +8,7 @@ from pydantic import Field, model_validator
 
 from insonify.arrays import Floats
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
 from insonify.scene.base import Coordinate, Declaration, Family, KindOf, angle, parameter
 from insonify.scene.seabed.materials import Material
 from insonify.scene.targets.shape import Outline, Shape, exact_cos, rotation_matrix
@@ -139,7 +139,7 @@ class Target(Declaration):
     @property
     def outline(self) -> Outline:
         """Measures of the shape."""
-        return _kept_outline(self, self.version)
+        return _outline_of(self)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
@@ -194,7 +194,6 @@ class Posed(Body):
 AnyTarget = Annotated[Target, KindOf(TARGETS)]
 
 
-@lru_cache(maxsize=256)
-def _kept_outline(target: Target, version: tuple[int, int] | None) -> Outline:
-    del version  # only part of the key: a changed file is measured again
+@kept_until_changed(maxsize=256)
+def _outline_of(target: Target) -> Outline:
     return target.shape().outline

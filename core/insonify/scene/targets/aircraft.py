@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.scene.base import metres, parameter
+from insonify.scene.base import metres, parameter, share
 from insonify.scene.targets.parts import Triangles, bars, draw_shares, skin, tube
-from insonify.scene.targets.sunken import Sunken, share
+from insonify.scene.targets.sunken import Sunken
 
 ALONG, AROUND, SPANWISE, CHORDWISE = 18, 10, 10, 4  # plates of a body along and about it, and of half a wing
 WAVES = 6  # of the field that crumples

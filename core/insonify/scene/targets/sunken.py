@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.scene.base import parameter
+from insonify.scene.base import parameter, share
 from insonify.scene.targets import Pit, Posed
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, roughen
 from insonify.scene.targets.shape import Shape, rotation_matrix
@@ -19,12 +19,6 @@ WIDE = 0.75  # of the length, within which debris lies
 STOUT = 0.16  # height over length of a hull without its masts, at most
 MOST_DEBRIS = 90
 LONG = 0.4  # length of a new one over the slant range, at most
-
-
-def share(default: float, description: str, *, most: float = 1.0) -> float:
-    """Declare a share from 0 to 1."""
-    field: float = parameter(default, description, ge=0.0, le=most, slider=(0.0, most))
-    return field
 
 
 class Sunken(Posed):

@@ -6,9 +6,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.scene.base import metres, parameter
+from insonify.scene.base import metres, parameter, share
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, skin
-from insonify.scene.targets.sunken import Sunken, share
+from insonify.scene.targets.sunken import Sunken
 
 Pairs = tuple[tuple[float, ...], ...]
 STATIONS = (0.0, 0.06, 0.2, 0.5, 0.78, 0.92, 1.0)  # of the curves, from the stern to the bow

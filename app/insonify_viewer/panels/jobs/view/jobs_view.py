@@ -23,7 +23,7 @@ from insonify.io.records import RECORDS
 from insonify_viewer.errors import guard_override
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.widgets.buttons import make_label, push_button
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.layouts import fill, fill_grid
 from insonify_viewer.widgets.save_dialogs import Formats, ask_where_to_save, record_formats
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.widgets.text import one_line
@@ -65,14 +65,11 @@ class JobRow(QFrame):
         self.bar.setAccessibleName(f"progress of {job.title}")
         for button in self.buttons:
             button.setAccessibleName(f"{button.text()}: {job.title}")
-        grid = QGridLayout(self)
-        grid.setContentsMargins(4, 4, 4, 6)
+        rows = [(self.title, self.bar, self.stop), (self.words,)]
+        grid = fill_grid(QGridLayout(self), rows, 3, margins=(4, 4, 4, 6))
         grid.setColumnStretch(0, 1)
-        grid.addWidget(self.title, 0, 0)
-        grid.addWidget(self.bar, 0, 1)
-        for button in self.buttons:
+        for button in self.buttons[1:]:  # in place of the first
             grid.addWidget(button, 0, 2)
-        grid.addWidget(self.words, 1, 0, 1, 3)
         self.show_job(job)
 
     @property

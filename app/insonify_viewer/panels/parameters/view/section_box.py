@@ -13,7 +13,7 @@ from insonify_viewer.state.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.state.sections import PINNED, FieldSection
 from insonify_viewer.widgets.buttons import light, make
 from insonify_viewer.widgets.field_rows import ChoiceRow, FileRow, NumberRow
-from insonify_viewer.widgets.layouts import fill
+from insonify_viewer.widgets.layouts import fill, fill_grid
 from insonify_viewer.widgets.side_panel import FoldingBox
 
 Row = NumberRow | ChoiceRow | FileRow
@@ -167,7 +167,7 @@ class SectionBox(FoldingBox):
         grid.setColumnStretch(1, 1)
         for line, parameter in enumerate(parameters):
             row = _row(parameter, signals)
-            row.place(grid, 2 * line)
+            fill_grid(grid, [row.parts], 3, 2 * line)
             self._rows[parameter.path] = row
         return grid
 

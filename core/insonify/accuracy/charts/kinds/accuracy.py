@@ -321,7 +321,6 @@ def _draw_panel(
 
 def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     """Draw the settings of a method that answers a special question as small grey marks."""
-    del method
     (line,) = axes.plot(
         [row.microseconds for row in rows], [_height(row) for row in rows], linestyle="none", marker=".", markersize=5,
         color=FAINT, alpha=0.7, zorder=2, label=FOLDED, picker=5,

@@ -9,7 +9,7 @@ from pydantic import field_validator, model_validator
 
 from insonify.arrays import Bytes, Floats
 from insonify.io.georeference import Georeference
-from insonify.scene.base import Declaration, Family, KindOf, parameter
+from insonify.scene.base import Declaration, Family, KindOf, parameter, share
 from insonify.scene.seabed.materials.catalogue import MATERIALS, Reflectivity, check_albedo
 from insonify.scene.seabed.materials.sediments import Sediment
 
@@ -108,12 +108,8 @@ class Material(MaterialMap, kind="uniform", rank=1):
     """One material: a name, and numbers that override those of the named material."""
 
     name: str = parameter("medium_sand", "named material, whose values apply to all fields that are left out")
-    diffuse: float | None = parameter(
-        None, "share of energy scattered evenly (Lambert)", ge=0.0, le=1.0, slider=(0.0, 1.0)
-    )
-    specular: float | None = parameter(
-        None, "share of energy in the mirror lobe (Phong)", ge=0.0, le=1.0, slider=(0.0, 1.0)
-    )
+    diffuse: float | None = share(None, "share of energy scattered evenly (Lambert)")
+    specular: float | None = share(None, "share of energy in the mirror lobe (Phong)")
     shininess: float | None = parameter(
         None,
         "exponent n of the mirror lobe, that of facets with an rms slope of 1/(2√n)",
@@ -122,9 +118,7 @@ class Material(MaterialMap, kind="uniform", rank=1):
         slider=(1.0, 200.0),
         log=True,
     )
-    reflection: float | None = parameter(
-        None, "share of the amplitude reflected specularly at normal incidence (R0)", ge=0.0, le=1.0, slider=(0.0, 1.0)
-    )
+    reflection: float | None = share(None, "share of the amplitude reflected specularly at normal incidence (R0)")
     speed_ratio: float | None = parameter(
         None, "speed of sound inside over that of water", ge=0.1, le=10.0, slider=(0.5, 5.0), log=True
     )

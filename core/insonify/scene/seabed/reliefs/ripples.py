@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.scene.base import angle, metres, parameter
+from insonify.scene.base import angle, metres, parameter, share
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs.random_relief import ExtendableRelief, density_waves
 from insonify.scene.seabed.reliefs.spectrum import (
@@ -42,13 +42,7 @@ class Ripples(ExtendableRelief, kind="ripples", rank=50):
         le=0.5,
         slider=(0.01, 0.3),
     )
-    sharpness: float = parameter(
-        0.6,
-        "0: crests as round as the troughs; 1: sharp crests between rounded troughs",
-        ge=0.0,
-        le=1.0,
-        slider=(0.0, 1.0),
-    )
+    sharpness: float = share(0.6, "0: crests as round as the troughs; 1: sharp crests between rounded troughs")
 
     @property
     def wave(self) -> tuple[float, float]:
