@@ -96,20 +96,16 @@ class Planes(Doublings):
         return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
 
     def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error of a number of planes; of one between two rungs no less than its difference from the finer rung.
+        """Error of a number of planes; of one between two rungs no less than its difference from twice as many.
 
-        Planes fall on other places of the bed for each number, so that five may err more than four. What a plan reports
-        of a number between two rungs is its own difference from twice as many.
+        Planes fall on other places of the bed for each number, so that five may err more than four. A plan reports that
+        difference alone.
         """
         error = self.error(case, model, cautious)
-        rung = self.rung(case, model)
-        if error == 0.0 or model.planes == rung:
+        if error == 0.0 or model.planes == self.rung(case, model):
             return error
-        if not cautious:
-            return case.probe.difference(*self._judged(case, model))
-        fine = self.pair(case, model, rung)[1]
-        own = fine._replace(planes=model.planes)
-        return max(error, case.probe.difference(own, fine, nearer=self.nearer, cautious=True))
+        own = case.probe.difference(*self._judged(case, model), nearer=self.nearer * cautious, cautious=cautious)
+        return max(error, own) if cautious else own
 
     def _judged(self, case: Case, model: Model) -> tuple[Model, Model]:
         """Models of a rung and of its double; between two rungs the model itself and one of twice its planes."""
