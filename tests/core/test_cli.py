@@ -184,10 +184,7 @@ def test_the_seed_changes_the_bed(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".png", ".npz"])
-@pytest.mark.parametrize(
-    "trouble",
-    [KeyboardInterrupt(), OSError(28, "No space left on device"), OSError(122, "Disk quota exceeded")],
-)
+@pytest.mark.parametrize("trouble", [KeyboardInterrupt(), OSError(28, "No space left on device")])
 def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trouble):
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import insonify.commands
-from commands import refused
 from insonify import cli, plugins
 from insonify.io.bathymetry import BATHYMETRY, Grid
 from insonify.io.formats import FileFormat, FormatRegistry
@@ -122,19 +121,6 @@ def test_no_two_formats_share_a_suffix():
         readable, writable = registry.readable(), registry.writable()
         assert len(set(readable)) == len(readable) > 1
         assert len(set(writable)) == len(writable)
-
-
-def test_a_new_format_that_fails_leaves_the_old_file(tmp_path, capsys):
-    def write_half(path, blocks):
-        Path(path).write_text("half")
-        raise OSError(28, "No space left on device")
-
-    path = tmp_path / "record.json"
-    path.write_text("old")
-    with added_format(RECORDS, FileFormat("JSON text", (".json",), read_text, write_half)):
-        assert f"{path}: No space left on device" in refused(capsys, "render", *SMALL, "-o", str(path))
-    assert [file.name for file in tmp_path.iterdir()] == ["record.json"]
-    assert path.read_text() == "old"
 
 
 GREET = '''

@@ -11,8 +11,9 @@ from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import Case
-from insonify.planning.probe import FEW, MOST, add_loud_pings
-from insonify.planning.probe_pings import SPREAD, choose_probe_pings
+from insonify.planning.probe import FEW, MOST, add_loud_pings, trace_model
+from insonify.planning.probe_pings import SPREAD, choose_probe_pings, spread_over_track
+from insonify.planning.selection import choose_model
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.statistics.record_errors import compare_records
@@ -52,6 +53,16 @@ def test_a_knife_or_a_bed_without_detail_needs_one_plane():
 def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
     before = edit(BARE, less)
     assert plan(edit(before, more)).planes > plan(before).planes
+
+
+def test_planes_between_two_doublings_are_judged_by_twice_as_many():
+    packed = pack(load_scene("ripples"))
+    made = choose_model(packed, 0.03, "auto", {"planes": "7"})
+    assert made.entry("planes").reason.startswith("7 and 14 planes differ by")
+    poses = make_poses(packed.scene, packed.ground, spread_over_track(packed.scene, 16))
+    seven, many = (trace_model(packed, made.model._replace(planes=planes), poses) for planes in (7, 256))
+    missed = compare_records(packed.arrays, poses, seven, many).beyond
+    assert 0.7 * missed < made.entry("planes").error < 1.4 * missed
 
 
 def test_a_finer_tolerance_never_takes_fewer_planes_and_all_are_in_bounds():

@@ -127,7 +127,7 @@ def errors_in_water(scene: Scene, *, planes: int = 1, sheets: int = 1, rays: int
 
 @pytest.mark.parametrize("water", REFRACTING)
 @pytest.mark.parametrize("material", [LAMBERT, "fine_sand", SHINY], ids=["lambert", "40", "400"])
-@pytest.mark.parametrize("seed", [31, 47])
+@pytest.mark.parametrize("seed", [31, pytest.param(47, marks=pytest.mark.slow)])
 def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(water, material, seed):
     scene = bare_knife(fractal(0.16), **REFRACTING[water], **{"seabed.material": material, "seed": seed})
     found = errors_in_water(scene)
@@ -135,8 +135,15 @@ def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(water, material, 
     assert found.all_bins < 1e-2
 
 
-@pytest.mark.parametrize("water", REFRACTING)
-@pytest.mark.parametrize("material", ["fine_sand", SHINY], ids=["40", "400"])
+@pytest.mark.parametrize(
+    ("water", "material"),
+    [
+        pytest.param("thermocline", SHINY, id="thermocline-400"),
+        pytest.param("channel", "fine_sand", id="channel-40"),
+        pytest.param("thermocline", "fine_sand", id="thermocline-40", marks=pytest.mark.slow),
+        pytest.param("channel", SHINY, id="channel-400", marks=pytest.mark.slow),
+    ],
+)
 def test_a_narrow_fan_in_water_that_refracts_is_near_exact_rays(water, material):
     fan = {"sonar.beam": {"kind": "fan", "width": 0.2}, "seabed.material": material, "seed": 31}
     found = errors_in_water(bare_knife(fractal(0.16), **REFRACTING[water], **fan), planes=64, sheets=32, rays=1 << 15)

@@ -4,7 +4,7 @@ import argparse
 from typing import Any
 
 from insonify.commands.options import add_frequency, add_output, chosen_output, metres, say
-from insonify.io.records import RECORDS, read_record
+from insonify.io.records import RECORDS
 from insonify.surveys import ALTITUDES, OVERLAPS
 
 EXAMPLE = "example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest"
@@ -49,14 +49,12 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read the records and write their mosaic."""
     path = chosen_output(arguments)
-    records = {name: read_record(name, arguments.frequency) for name in arguments.records}
     # lazy: the other commands need neither the display nor PROJ
     from insonify.surveys.mosaic import make_mosaic, write_mosaic
-    from insonify.surveys.swath import choose_map, lay_swath
+    from insonify.surveys.swath import StoredSwaths
 
-    crs = choose_map(*next(iter(records.items())), arguments.crs)
-    swaths = [lay_swath(name, record, crs, arguments.altitude) for name, record in records.items()]
+    swaths = StoredSwaths(arguments.records, arguments.crs, arguments.altitude, arguments.frequency)
     mosaic = make_mosaic(swaths, arguments.cell, arguments.overlap)
-    write_mosaic(path, mosaic, crs)
+    write_mosaic(path, mosaic, swaths.crs)
     rows, columns = mosaic.level.shape
-    say(f"{path}: {columns} x {rows} cells of {mosaic.cell:g} m on {crs or 'no map'}")
+    say(f"{path}: {columns} x {rows} cells of {mosaic.cell:g} m on {swaths.crs or 'no map'}")

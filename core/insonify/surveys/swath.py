@@ -1,6 +1,7 @@
 """Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from insonify.arrays import Dataset, Floats, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
+from insonify.io.records import read_record
 from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_bottom
 from insonify.scene import SceneError
 from insonify.surveys import ALTITUDES
@@ -37,6 +39,27 @@ class Swath(NamedTuple):
         """Lower left and upper right corner of the rectangle that holds the swath, (2, 2)."""
         points = np.concatenate([self.nadir, self.ends.reshape(-1, 2)])
         return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+class StoredSwaths(Iterable[Swath]):
+    """Swaths of records on one map, read in every pass, so that only one is in memory at a time."""
+
+    def __init__(
+        self, paths: Sequence[str], crs: str | None = None, altitude: str = ALTITUDES[0], frequency: float | None = None
+    ) -> None:
+        self._paths, self._altitude, self._frequency = paths, altitude, frequency
+        first = read_record(paths[0], frequency)
+        self._place = find_georeference(first.attrs)
+        self.crs = choose_map(paths[0], first, crs)
+
+    def __iter__(self) -> Iterator[Swath]:
+        for path in self._paths:
+            yield lay_swath(path, read_record(path, self._frequency), self.crs, self._altitude)
+
+    def on_map(self, points: Sequence[tuple[float, float]]) -> Floats:
+        """Map points of the scene of the first record to the map of the swaths, (n, 2)."""
+        x, y = np.array(points, dtype=np.float64).T
+        return put_on_map(self._paths[0], self._place, self.crs, x, y)
 
 
 def choose_map(name: str, record: Dataset, crs: str | None) -> str:

@@ -162,8 +162,7 @@ def list_methods() -> tuple[str, ...]:
 
 def find_tracer(name: str) -> Tracer:
     """Return the tracer of a name, or raise `SceneError`."""
-    known = list_methods()
-    if name not in _DECLARED:
+    if name not in _DECLARED and name not in (known := list_methods()):
         raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(known)}")
     return _made(_DECLARED[name])
 

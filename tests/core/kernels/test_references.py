@@ -21,7 +21,7 @@ SCENES = {
     "wreck": SMALL,
     "raw-record": SMALL,
     "figure-3": SMALL,
-    "endless": SMALL | {"track.pings": 20},
+    "endless": SMALL | {"track.pings": 12},
 }
 
 
@@ -57,7 +57,7 @@ def left(call: Callable[[], object]) -> int:
 @pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_is_left_of_a_record_its_labels_and_an_explanation(name: str) -> None:
-    simulation, pings = prepare(edit(load_scene(name), SCENES[name])), np.arange(9)
+    simulation, pings = prepare(edit(load_scene(name), SCENES[name])), np.arange(5)
     assert left(lambda: simulation.intensity(pings)) == 0
     assert left(lambda: simulation.truth(pings)) == 0
     assert left(lambda: explain_pixel(simulation, 4, 1, 60)) == 0

@@ -98,15 +98,25 @@ class Planes(Doublings):
     def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of a number of planes; of one between two rungs no less than its difference from the finer rung.
 
-        Planes fall on other places of the bed for each number, so that five may err more than four.
+        Planes fall on other places of the bed for each number, so that five may err more than four. What a plan reports
+        of a number between two rungs is its own difference from twice as many.
         """
         error = self.error(case, model, cautious)
         rung = self.rung(case, model)
         if error == 0.0 or model.planes == rung:
             return error
+        if not cautious:
+            return case.probe.difference(*self._judged(case, model))
         fine = self.pair(case, model, rung)[1]
         own = fine._replace(planes=model.planes)
-        return max(error, case.probe.difference(own, fine, nearer=self.nearer * cautious, cautious=cautious))
+        return max(error, case.probe.difference(own, fine, nearer=self.nearer, cautious=True))
+
+    def _judged(self, case: Case, model: Model) -> tuple[Model, Model]:
+        """Models of a rung and of its double; between two rungs the model itself and one of twice its planes."""
+        rung = self.rung(case, model)
+        if model.planes == rung:
+            return self.pair(case, model, rung)
+        return model, model._replace(planes=2 * model.planes)
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of its double, beside other settings that err by little."""
@@ -117,10 +127,10 @@ class Planes(Doublings):
         return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES))
 
     def near_error(self, case: Case, model: Model) -> float:
-        """Error over all bins from the first return, measured at the doubling below."""
+        """Error over all bins from the first return."""
         if not (self.applies(model) and case.scene.sonar.beam.has_width):
             return 0.0
-        return case.probe.difference(*self.pair(case, model, self.rung(case, model)), nearer=1.0)
+        return case.probe.difference(*self._judged(case, model), nearer=1.0)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -129,7 +139,11 @@ class Planes(Doublings):
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
-        reason = self.measured(case, model, "planes", error)
+        if model.planes == self.rung(case, model):
+            reason = self.measured(case, model, "planes", error)
+        else:
+            _, fine = self._judged(case, model)
+            reason = f"{model.planes} and {fine.planes} planes differ by {percent(error)} on {case.pings(fine)}"
         cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
@@ -431,7 +445,7 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
         return apart
     of_planes = planes.confirmed(case, model, cautious)
     if model.bent and case.folds:
-        return math.sqrt(apart**2 + of_planes**2 - planes.error(case, model, cautious) ** 2)
+        return math.sqrt(apart**2 + of_planes**2 - planes.error(case, model) ** 2) if cautious else apart
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
     whole = model._replace(
         planes=few,

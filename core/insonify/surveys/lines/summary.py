@@ -2,9 +2,7 @@
 
 import io
 import math
-import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,14 +10,12 @@ import numpy as np
 from insonify.arrays import Booleans, Floats
 from insonify.display.picture import load_palette
 from insonify.io.atomic import write_text
-from insonify.io.georeference import find_georeference
 from insonify.io.geotiff import write_geotiff
 from insonify.io.pages import fill_page, picture_url
-from insonify.io.records import read_record
 from insonify.surveys.engine import read_flag
 from insonify.surveys.lines.work import SurveyWork
 from insonify.surveys.mosaic import KMZ, PALETTE, PICTURED, Mosaic, make_mosaic, write_mosaic
-from insonify.surveys.swath import Swath, choose_map, lay_swath, put_on_map
+from insonify.surveys.swath import StoredSwaths
 
 PAGE = "index.html"
 WIDTH, HIGHEST = 11.0, 9.0  # inches
@@ -33,24 +29,6 @@ class Coverage(NamedTuple):
     area: float  # m², as specified; the covered area where none is specified
     once: float  # shares of it that at least one line, and at least two lines, cover
     twice: float
-
-
-class StoredSwaths(Iterable[Swath]):
-    """Swaths of records, read in every pass, so that only one is in memory at a time."""
-
-    def __init__(self, folder: Path, files: Sequence[str]) -> None:
-        self._paths = [str(folder / file) for file in files]
-        first = read_record(self._paths[0])
-        self.place = find_georeference(first.attrs)
-        self.crs = choose_map(self._paths[0], first, None)
-
-    def __iter__(self) -> Iterator[Swath]:
-        return (lay_swath(os.path.basename(path), read_record(path), self.crs) for path in self._paths)
-
-    def on_map(self, points: Sequence[tuple[float, float]]) -> Floats:
-        """Map points of the scene to the map of the swaths, (n, 2)."""
-        x, y = np.array(points, dtype=np.float64).T
-        return put_on_map(self._paths[0], self.place, self.crs, x, y)
 
 
 def measure_coverage(mosaic: Mosaic, corners: Floats | None) -> Coverage:
@@ -82,7 +60,7 @@ def _cells_within(mosaic: Mosaic, corners: Floats) -> Booleans:
 def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
     """Write the mosaic, the coverage and the page of a survey."""
     lines = [read_flag(work.folder, name) for name in names]
-    swaths = StoredSwaths(work.folder, [line["file"] for line in lines])
+    swaths = StoredSwaths([str(work.folder / line["file"]) for line in lines])
     wanted, area = work.specification.mosaic, work.specification.area
     mosaic = make_mosaic(swaths, wanted.cell, wanted.overlap)
     corners = None if area is None else swaths.on_map(area.corners)
