@@ -316,7 +316,7 @@ def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
     whole = field.values(Nodes.of_tile(0, 0))
     assert whole.nbytes < ARRAYS.bytes <= ARRAYS.limit
     parts = [key for key in ARRAYS._results if isinstance(key[1], tuple) and len(key[1]) == 4]
-    assert {side for _, (_, side, _, _), _ in parts} >= {TILE, PART}, "of coarse lattices parts are kept"
+    assert {side for _, (_, side, _, _), *_ in parts} >= {TILE, PART}, "of coarse lattices parts are kept"
     filters = ARRAYS.bytes - sum(ARRAYS._results[key][1] for key in parts)
     gc.disable()
     try:
