@@ -136,6 +136,8 @@ def test_a_ray_that_was_sent_is_found_again(water, z_from, degrees, x):
 # A ray that runs flat along the edge of a gradient: its tube is 1.8e8 m/rad wide.
 ALONG_AN_EDGE = HEIGHT, np.array([1500.25, 1500.0, *[1490.0] * 5])
 
+BELOW_A_GRADIENT = HEIGHT, np.array([1491.0, *[1490.0] * 6])  # where rays between nearly equal heights turn at once
+
 
 @settings(max_examples=60, deadline=None)
 @given(waters(), st.floats(-59.0, -1.0), st.floats(-59.0, -1.0), st.floats(0.5, 400.0))
@@ -174,6 +176,8 @@ def test_no_ray_of_a_fine_fan_is_lost(water, z_from, z_to, x):
 
 @settings(max_examples=60, deadline=None)
 @given(waters(), st.floats(-59.0, -1.0), st.floats(-59.0, -1.0), st.floats(0.5, 300.0))
+@example(BELOW_A_GRADIENT, -58.99999999999999, -59.0, 1.0)
+@example(BELOW_A_GRADIENT, -58.99999999999, -59.0, 1.0)
 def test_the_direct_ray_is_one_of_all(water, z_from, z_to, x):
     status, _, angle = joined(water, -z_from, x, -z_to)
     every = join_points(water_of(*water), z_from, z_to, x, -math.inf, math.inf, 0)
