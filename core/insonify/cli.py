@@ -176,6 +176,8 @@ def _with_command(words: list[str], commands: list[str]) -> list[str]:
     close = difflib.get_close_matches(first, commands, n=1)
     if not is_scene and close:
         raise SceneError(f"{first!r} is neither a command nor a scene; did you mean 'insonify {close[0]}'?")
+    if not is_scene and len(words) > 1 and not words[1].startswith("-"):  # of a scene alone `view` says what is wrong
+        raise SceneError(f"{first!r} is neither a command nor a scene; 'insonify --help' lists the commands")
     return ["view", *words]
 
 

@@ -63,6 +63,7 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         (["render", "default", "-o", "x.xtf", "--truth"], "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
         (["render", "default", "-o", "x.png", "--truth"], "leave it out or end the name in one of them"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
+        (["info", "a.png"], "'info' is neither a command nor a scene; 'insonify --help' lists the commands"),
         (
             ["render", "defualt", "-o", "x.png"],
             "scene 'defualt': no such file; did you mean 'default'? Otherwise give a TOML file",
