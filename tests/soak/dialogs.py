@@ -9,6 +9,7 @@ import numpy as np
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from fuzz.samples import SAMPLES
+from insonify_viewer.widgets.gallery import Gallery
 
 KINDS = {
     "Open a scene": ("scene",),
@@ -33,6 +34,7 @@ class Answers:
         self._whole = _whole_files(names, folder / "whole")
         QFileDialog.getOpenFileName = self._open  # type: ignore[method-assign,assignment]
         QFileDialog.getSaveFileName = self._save  # type: ignore[method-assign,assignment]
+        Gallery.exec = lambda gallery: self._pick(gallery)  # type: ignore[method-assign,assignment]
         QMessageBox.question = lambda *_: QMessageBox.StandardButton.Discard  # type: ignore[method-assign,assignment]
 
     def _open(self, _: Any, title: str, *rest: Any) -> tuple[str, str]:
@@ -43,6 +45,15 @@ class Answers:
             return str(self._random.choice([str(self._folder), "/nowhere/scene.toml", "/dev/null"])), ""
         names = KINDS[str(self._random.choice(list(KINDS)))] if chance < 0.3 else KINDS.get(title, (OTHER,))
         return str(self._file(str(self._random.choice(names)), damaged=chance > 0.6)), ""
+
+    def _pick(self, gallery: Gallery) -> int:
+        """Pick one of the pictures, or close the gallery."""
+        gallery.show()
+        place = int(self._random.integers(gallery.list.count() + 1))
+        if place < gallery.list.count():
+            gallery.list.itemActivated.emit(gallery.list.item(place))
+        gallery.close()
+        return 0
 
     def _file(self, name: str, *, damaged: bool) -> Path:
         sample = SAMPLES[name]
