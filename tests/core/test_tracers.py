@@ -113,6 +113,8 @@ def test_what_it_cannot_do_is_refused(strips):
 def test_an_unknown_tracer_is_refused():
     with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays"):
         find_tracer("magic")
+    with pytest.raises(SceneError, match=r"^method: 'auto' is not known"):  # a wish, not a tracer
+        find_tracer("auto")
 
 
 FAN = math.radians(1.25)

@@ -162,7 +162,8 @@ def list_methods() -> tuple[str, ...]:
 
 def find_tracer(name: str) -> Tracer:
     """Return the tracer of a name, or raise `SceneError`."""
-    if name not in _DECLARED and name not in (known := list_methods()):
+    known = () if name in _DECLARED else list_methods()  # tracers declare themselves
+    if name not in _DECLARED:
         raise SceneError(f"method: {name!r} is not known; choose one of {', '.join(known)}")
     return _made(_DECLARED[name])
 
