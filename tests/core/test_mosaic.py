@@ -17,7 +17,7 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.surveys.mosaic import Mosaic, choose_cell, make_mosaic, write_mosaic
-from insonify.surveys.swath import Swath, lay_swath
+from insonify.surveys.swath import StoredSwaths, Swath, lay_swath
 
 BOX = re.compile(r"<(north|south|east|west)>([-\d.]+)</")
 
@@ -160,6 +160,18 @@ def test_altitude_and_course_come_from_the_record_itself_where_they_are_not_told
     swath = lay_swath("a", made_record(heading=np.nan), "")
     np.testing.assert_allclose(swath.ends[:, 0, 0], swath.nadir[:, 0], atol=1e-9)
     assert (swath.ends[:, 0, 1] > 10.0).all()
+
+
+def test_one_record_is_read_once_and_several_do_not_stay_in_memory(tmp_path, monkeypatch):
+    read, paths = [], [str(tmp_path / f"{name}.nc") for name in "ab"]
+    for path in paths:
+        write_record(path, [made_record()])
+    monkeypatch.setattr("insonify.surveys.swath.read_record", lambda path, **how: read.append(path) or made_record())
+    make_mosaic(StoredSwaths(paths[:1]))
+    assert read == paths[:1]
+    read.clear()
+    make_mosaic(StoredSwaths(paths))
+    assert read == [*paths, *paths]
 
 
 def test_what_cannot_be_mapped_is_one_sentence(tmp_path, capsys):

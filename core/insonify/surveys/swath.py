@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -42,19 +43,19 @@ class Swath(NamedTuple):
 
 
 class StoredSwaths(Iterable[Swath]):
-    """Swaths of records on one map, read in every pass, so that only one is in memory at a time."""
+    """Swaths of records on one map, read in every pass; only the last record stays in memory."""
 
     def __init__(
         self, paths: Sequence[str], crs: str | None = None, altitude: str = ALTITUDES[0], frequency: float | None = None
     ) -> None:
-        self._paths, self._altitude, self._frequency = paths, altitude, frequency
-        first = read_record(paths[0], frequency)
+        self._paths, self._altitude = paths, altitude
+        self._read = lru_cache(maxsize=1)(partial(read_record, frequency=frequency))
+        first = self._read(paths[0])
         self._place = find_georeference(first.attrs)
         self.crs = choose_map(paths[0], first, crs)
 
     def __iter__(self) -> Iterator[Swath]:
-        for path in self._paths:
-            yield lay_swath(path, read_record(path, self._frequency), self.crs, self._altitude)
+        return (lay_swath(path, self._read(path), self.crs, self._altitude) for path in self._paths)
 
     def on_map(self, points: Sequence[tuple[float, float]]) -> Floats:
         """Map points of the scene of the first record to the map of the swaths, (n, 2)."""

@@ -43,21 +43,21 @@ def add_samples(swath, corner, cell, longest, energy, ground_range, count):
         parts = max(math.ceil(max(moved, turned) / (0.5 * cell)), 1) if moved <= longest else 1
         for part in range(parts):
             share = part / parts
+            # Column and row at no ground range, then at the far end.
+            x, y = _place(swath.nadir[ping], swath.nadir[following], share, corner, cell)
             for side in range(2):
-                # Column and row at no ground range, and their growth to the far end.
-                x, y = _place(swath.nadir[ping], swath.nadir[following], share, corner, cell)
                 far_x, far_y = _place(swath.ends[ping, side], swath.ends[following, side], share, corner, cell)
                 for k in range(samples):
                     distance = (k + 0.5) * step
                     along = distance / swath.reach
                     column, row = x + along * (far_x - x), y + along * (far_y - y)
-                    heard = here[side, k]
+                    sample = here[side, k]
                     if share > 0.0:
-                        heard = (1.0 - share) * heard + share * there[side, k]
+                        sample = (1.0 - share) * sample + share * there[side, k]
                     # Comparisons with NaN are false.
-                    if math.isfinite(heard) and 0.0 <= column < count.shape[1] and 0.0 <= row < count.shape[0]:
+                    if math.isfinite(sample) and 0.0 <= column < count.shape[1] and 0.0 <= row < count.shape[0]:
                         at = int(row), int(column)
-                        energy[at] += heard
+                        energy[at] += sample
                         ground_range[at] += distance
                         count[at] += 1
 
