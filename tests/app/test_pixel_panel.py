@@ -82,13 +82,13 @@ def test_a_click_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(viewer, q
     assert budget(viewer)["pipe 1"] == "100.0 %"
     assert budget(viewer)["pixel"] == "no echo"
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
-    assert shown == {"rays": False, "blocked": True, "heard": False, "hidden": True}
+    assert shown == {"rays": False, "blocked": True, "echoing": False, "hidden": True}
     click(viewer, PIPE, qtbot)
     assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
     assert "pipe 1" in view.summary.text()
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown["rays"]
-    assert shown["heard"]
+    assert shown["echoing"]
     rays = pv.wrap(viewer.seabed.view._sound.actors["rays"].mapper.GetInput())
     ends = np.asarray(rays.points)[1::2]
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar

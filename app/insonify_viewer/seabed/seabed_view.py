@@ -415,7 +415,7 @@ class SoundActors:
         styles = {
             "rays": {"color": MARK_IN_WATER, "line_width": 1.5, "opacity": 0.85},
             "blocked": {"color": BLOCKED, "line_width": 1.5, "opacity": 0.85},
-            "heard": {"color": MARK_IN_WATER, "line_width": 6.0},
+            "echoing": {"color": MARK_IN_WATER, "line_width": 6.0},
             "hidden": {"color": HIDDEN, "line_width": 6.0},
         }
         self.actors = {name: plotter.add_mesh(_line(), **add, **style) for name, style in styles.items()}
@@ -428,7 +428,7 @@ class SoundActors:
             lines = {
                 "rays": drawing.rays,
                 "blocked": drawing.blocked,
-                "heard": list(drawing.heard + lift),
+                "echoing": list(drawing.echoing + lift),
                 "hidden": list(drawing.hidden + lift),
             }
         for name, actor in self.actors.items():

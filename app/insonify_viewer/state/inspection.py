@@ -35,7 +35,7 @@ class SoundDrawing:
 
     rays: tuple[Floats, ...]  # rays of the sound that returns, and of the sound that something keeps from the bed
     blocked: tuple[Floats, ...]
-    heard: Floats  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
+    echoing: Floats  # (n, 2, 3) stretches of bed and targets that echo in the pixel, and of bed that is hidden
     hidden: Floats
 
 

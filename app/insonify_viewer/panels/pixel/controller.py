@@ -171,6 +171,6 @@ def _drawing(explanation: PixelExplanation) -> SoundDrawing:
     return SoundDrawing(
         rays=tuple(ray for each in explanation.contributions for ray in each.rays),
         blocked=tuple(ray for each in explanation.obstructions for ray in each.rays),
-        heard=np.concatenate([nothing, *(each.places for each in explanation.contributions)]),
+        echoing=np.concatenate([nothing, *(each.places for each in explanation.contributions)]),
         hidden=np.concatenate([nothing, *(each.places for each in explanation.obstructions)]),
     )
