@@ -64,6 +64,16 @@ def sector_weight(x, z, r, sector, pattern, law):
 
 
 @inlined_uncounted
+def sector_width(x, z, r, sector, pattern):
+    """Along-track width of a plane's sector at one place, whatever the response of the beam in it; 0 of a knife, m."""
+    if is_whole_beam(sector):
+        return pattern_width(x, z, r, sector, pattern)
+    if sector.tabulated or sector.angle == 0.0:
+        return x * sector.angle
+    return top_hat_width(x, r, sector)
+
+
+@inlined_uncounted
 def top_hat_width(x, r, sector):
     """Along-track width that a plane of a top-hat beam represents."""
     # A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it,

@@ -27,7 +27,15 @@ from insonify.kernels.labels.shadows import label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
-from insonify.kernels.sweep.facets import divide_facet, facet_curve, facet_weight, is_facet_met, part_echo
+from insonify.kernels.sweep.facets import (
+    divide_facet,
+    facet_curve,
+    facet_weight,
+    is_facet_met,
+    part_echo,
+    range_across,
+    widen,
+)
 from insonify.kernels.sweep.partial_segments import (
     BedSegment,
     ground_range_at_slant,
@@ -293,11 +301,12 @@ def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells
             if is_facet_met(facet):
                 open_contributor(contributions, row)
                 weight = facet_weight(facet, cell.source.gain, sector, arrays.pattern, law)
-                _note_facet(facet, weight, cell.material, row, cell.source.level, law, bin_length, contributions)
+                across = range_across(facet, sector, arrays.pattern)
+                _note_facet(facet, weight, across, cell.material, row, cell.source.level, law, bin_length, contributions)
 
 
 @inlined
-def _note_facet(facet, weight, material, row, level, law, bin_length, contributions):
+def _note_facet(facet, weight, across, material, row, level, law, bin_length, contributions):
     """Note the contribution of one facet, part by part as in the sweep."""
     curve, x, per_bin = facet_curve(facet), facet.centre * facet.cosine / level, 1.0 / bin_length
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
@@ -306,5 +315,6 @@ def _note_facet(facet, weight, material, row, level, law, bin_length, contributi
     start = facet.near
     for k in range(parts):
         stop, cosine, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        spread_contribution(contributions, row, start, stop, energy, x, cosine, bin_length)
+        first, last = widen(start, stop, across)
+        spread_contribution(contributions, row, first, last, energy, x, cosine, bin_length)
         start = stop

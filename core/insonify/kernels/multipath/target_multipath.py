@@ -12,7 +12,15 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay
-from insonify.kernels.sweep.facets import along_curve, divide_facet, facet_curve, is_facet_met, tilt_in_plane
+from insonify.kernels.sweep.facets import (
+    along_curve,
+    divide_facet,
+    facet_curve,
+    is_facet_met,
+    range_across,
+    tilt_in_plane,
+    widen,
+)
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     cell_facet,
@@ -103,7 +111,9 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
             lean = zbuffer.lean[c] if whole else meet_primitive(primitive, facet.cosine, facet.sine)[2]
             place = _place(facet.centre, facet.cosine, facet.sine, facet.incidence, lean, higher.raised)
             if _is_seen_from_higher(place, body, higher, knot):
-                n = _list_facet(pair, facet, place, weight, surface, echoes, n)
+                # Along the higher image's way slant range changes by the part of it that lies along the lower one's.
+                across = 0.5 * (1.0 + place.along) * range_across(facet, sectors[0], arrays.pattern)
+                n = _list_facet(pair, facet, place, weight, across, surface, echoes, n)
         if n > ENOUGH:
             deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
             n = 0
@@ -171,7 +181,7 @@ def _is_seen_from_higher(place, body, higher, knot):
 
 
 @inlined_uncounted
-def _list_facet(pair, facet, place, weight, surface, echoes, n):
+def _list_facet(pair, facet, place, weight, across, surface, echoes, n):
     """List a facet that both images see, part by part; one part has the strength of its middle."""
     raised, per_bin, numbers = pair.other.height - pair.one.height, 1.0 / pair.bin_length, surface.numbers
     whole = _echo_of_facet(pair, facet, place, weight, surface.contributor)
@@ -179,17 +189,17 @@ def _list_facet(pair, facet, place, weight, surface, echoes, n):
     middle, off_mirror = 0.5 * (facet.centre + place.r_other), max(0.5 - 0.5 * mirrored, 0.0)
     parts, _ = divide_facet(facet, off_mirror, numbers, whole.near * per_bin, middle * per_bin, whole.far * per_bin)
     if pair.law == LIGHT:
-        return _list_light(pair, facet, whole, max(LIT_PARTS * parts, LEAST_LIT), surface, echoes, n)
+        return _list_light(pair, facet, whole, across, max(LIT_PARTS * parts, LEAST_LIT), surface, echoes, n)
     if parts == 1:
         value = pair_strength(place.incidence, place.cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
         # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
         energy = value * facet.centre * (facet.high - facet.low) / max(place.incidence, LEAST_COSINE)
-        return list_echo(echoes, n, _part_of_echo(whole, whole.near, whole.far, energy))
+        return list_echo(echoes, n, _part_of_echo(whole, whole.near, whole.far, across, energy))
     curve, near = facet_curve(facet), whole.near
     tilt = _tilt_along(facet, curve, place)
     for k in range(parts):
         far, energy = _part_of_pair(facet, curve, tilt, k, parts, numbers, pair, raised)
-        n, near = list_echo(echoes, n, _part_of_echo(whole, near, far, energy)), far
+        n, near = list_echo(echoes, n, _part_of_echo(whole, near, far, across, energy)), far
     return n
 
 
@@ -227,15 +237,16 @@ def _echo_of_facet(pair, facet, place, weight, contributor):
 
 
 @inlined_uncounted
-def _part_of_echo(whole, near, far, energy):
+def _part_of_echo(whole, near, far, across, energy):
     """Echo of a part of a facet, of an energy before weight and spreading."""
+    start, stop = widen(near, far, across)
     return SurfaceEcho(
-        near, far, whole.energy * energy, whole.rise, whole.tilt, whole.x, whole.cosine, whole.contributor
+        start, stop, whole.energy * energy, whole.rise, whole.tilt, whole.x, whole.cosine, whole.contributor
     )
 
 
 @inlined_uncounted
-def _list_light(pair, facet, whole, parts, surface, echoes, n):
+def _list_light(pair, facet, whole, across, parts, surface, echoes, n):
     """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans."""
     # Towards a body's edge slant range changes as the root of the launch angle that is left, where a parabola errs, but
     # the cosines are linear in slant range.
@@ -244,7 +255,7 @@ def _list_light(pair, facet, whole, parts, surface, echoes, n):
     for k in range(parts):
         far, after = _radiance_along(surface, facet, (k + 1.0) / parts, pair, raised)
         energy = 0.5 * (before + after) * abs(far - near) / pair.bin_length
-        n = list_echo(echoes, n, _part_of_echo(whole, near, far, energy))
+        n = list_echo(echoes, n, _part_of_echo(whole, near, far, across, energy))
         near, before = far, after
     return n
 

@@ -1,14 +1,15 @@
 """Facets of targets in one plane: how their slant range and incidence change along them, and the echo of their parts.
 
 Along a facet the slant range is taken as the parabola through its beginning, middle and end, and the incidence follows
-from the parabola's slope: no surface is intersected again. Derived in docs/theory/sweep.md.
+from the parabola's slope: no surface is intersected again. Over the azimuths that its plane represents a facet leans as
+its tangent plane does, and its echo is spread over the slant ranges between. Derived in docs/theory/sweep.md.
 """
 
 import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined_uncounted
-from insonify.kernels.beam.azimuth_sector import sector_weight
+from insonify.kernels.beam.azimuth_sector import sector_weight, sector_width
 from insonify.kernels.common.range_bins import FIXED_POINT, add_energy, spread_energy
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
@@ -124,22 +125,54 @@ def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
         return
     per_bin, weight = 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
+    across = range_across(facet, sector, pattern) * per_bin
     parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
     if parts == 1:
         first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
-        if int(near) == int(far) and int(near) == int(centre):
+        if int(min(near, centre, far) - 0.5 * across) == int(max(near, centre, far) + 0.5 * across):
             add_energy(bins, 0.5 * (near + centre), first)
             add_energy(bins, 0.5 * (centre + far), second)
             return
-        spread_energy(bins, near, centre, first)
-        spread_energy(bins, centre, far, second)
+        _spread_across(bins, near, centre, across, first)
+        _spread_across(bins, centre, far, across, second)
         return
     curve = facet_curve(facet)
     start = facet.near
     for k in range(parts):
         stop, _, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        spread_energy(bins, start * per_bin, stop * per_bin, energy)
+        _spread_across(bins, start * per_bin, stop * per_bin, across, energy)
         start = stop
+
+
+@inlined_uncounted
+def range_across(facet, sector, pattern):
+    """Change of a facet's slant range from one border of its plane's sector to the other, m."""
+    width = sector_width(facet.centre * facet.cosine, facet.centre * facet.sine, facet.centre, sector, pattern)
+    if not width > 0.0:
+        return 0.0
+    cos_squared = max(facet.incidence * facet.incidence, 1e-12)
+    tilt = (facet.far - facet.near) / ((facet.high - facet.low) * facet.arc)
+    return width * math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0))
+
+
+@inlined_uncounted
+def widen(near, far, across):
+    """Places between which an even density has the mean and the variance of one from near to far, moved by ``across``.
+
+    Two even densities folded make a trapezoid, the variance of which is the sum of theirs.
+    """
+    if not across > 0.0:
+        return near, far
+    middle, length = 0.5 * (near + far), far - near
+    half = 0.5 * math.sqrt(length * length + across * across)
+    return max(middle - half, 0.0), middle + half
+
+
+@inlined_uncounted
+def _spread_across(bins, near, far, across, energy):
+    """Spread an energy between two positions that move by ``across`` over a sector."""
+    start, stop = widen(near, far, across)
+    spread_energy(bins, start, stop, energy)
 
 
 @inlined_uncounted
