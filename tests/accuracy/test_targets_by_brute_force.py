@@ -68,3 +68,17 @@ def test_a_wide_fan_has_no_floor_on_balls(width, place):
     right = target_record(sphere(*ball), material, height=height, half_width=half, bins=BINS, bin_length=BIN, **grid)
     record = sweep.trace(arrays, poses_of(0.0, 0.0, height), planes=4096)[0, 0]
     assert np.linalg.norm(record - right) < 0.006 * np.linalg.norm(right)
+
+
+def test_a_pipe_askew_is_no_comb_of_planes():
+    # Across the beam the pipe's range changes by 4 bins, in each of two planes by 2.
+    pipe, material = ((-20.0, 8.0, 0.5), (30.0, 38.0, 0.5), 0.3), (0.5, 0.3, 12.0)
+    arrays = arrays_of(NO_BED, 10.0, half_width=FAN, bins=BINS, bin_length=BIN, reflectivity=[material], solids=[pipe])
+    grid = {"elevations": (-0.6, -0.3), "across": 3000, "up": 2000}
+    right = target_record(
+        frustum(*pipe, 0.3), material, height=HEIGHT, half_width=FAN, bins=BINS, bin_length=BIN, **grid
+    )
+    for planes in (2, 3, 8):
+        record = sweep.trace(arrays, poses_of(0.0, 0.0, HEIGHT), planes=planes)[0, 0]
+        assert np.linalg.norm(record - right) < 0.05 * np.linalg.norm(right)
+        assert record.sum() == pytest.approx(right.sum(), rel=0.001)

@@ -47,12 +47,18 @@ def test_a_knife_or_a_bed_without_detail_needs_one_plane():
         ({}, {"seabed.relief.beta": 1.0}),
         ({}, {"seabed.relief.rms": 0.2}),
         ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}),
-        ({"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}]}, {"targets.0.material": "steel"}),
     ],
 )
 def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
     before = edit(BARE, less)
     assert plan(edit(before, more)).planes > plan(before).planes
+
+
+def test_a_glint_needs_more_planes_across_its_target():
+    dull = edit(
+        BARE, {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
+    )
+    assert plan(edit(dull, {"targets.0.material": "steel"})).model.across > plan(dull).model.across
 
 
 def test_planes_between_two_doublings_are_judged_by_twice_as_many():

@@ -64,6 +64,22 @@ def greatest_radius(solids, k):
 
 
 @inlined_uncounted
+def distance_to_solid(solids, k, x, y, z):
+    """Distance from a point outside a body to its nearest place."""
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    radius, length, taper, squared = solids.radius[k], solids.length[k], solids.taper[k], px * px + py * py + pz * pz
+    if solids.shape[k] == SPHERE:
+        return math.sqrt(squared) - radius
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    off_axis = math.sqrt(max(squared - along * along, 0.0))
+    beyond = max(-along, along - length)
+    if beyond > 0.0 and off_axis <= (radius if along < 0.0 else radius + taper * length):
+        return beyond
+    foot = min(max((along + taper * (off_axis - radius)) / (1.0 + taper * taper), 0.0), length)
+    return math.hypot(along - foot, off_axis - radius - taper * foot)
+
+
+@inlined_uncounted
 def is_inside_solid(solids, k, x, y, z):
     """Whether a point is inside a body."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]

@@ -27,7 +27,7 @@ from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
 from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import TableGrid, look_up_position, prepare_table
-from insonify.kernels.sweep.facets import deposit_facet, is_facet_met, range_across
+from insonify.kernels.sweep.facets import deposit_facet, is_facet_met, span_of_sector
 from insonify.kernels.sweep.partial_segments import (
     deposit_partial_segment,
     ground_range_at_slant,
@@ -248,12 +248,12 @@ def _list_targets(view, cells, count, n):
             facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
             if not is_facet_met(facet):
                 continue
-            half = 0.5 * range_across(facet, sector, arrays.pattern)
+            half = 0.5 * span_of_sector(facet, cell.least, sector, arrays.pattern).across
             nearest = max(min(facet.near, facet.centre, facet.far) - half, 0.0)
             farthest = max(facet.near, facet.centre, facet.far) + half
             if nearest < view.far and farthest > view.near:
-                gain, law, bin_length = cell.source.gain, arrays.law, arrays.bin_length
-                deposit_facet(facet, gain, cell.material, sector, arrays.pattern, law, bin_length, parts.bins)
+                law, bin_length, pattern, gain = arrays.law, arrays.bin_length, arrays.pattern, cell.source.gain
+                deposit_facet(facet, cell.least, gain, cell.material, sector, pattern, law, bin_length, parts.bins)
                 sums = _take_bins(parts.bins.steps, 0.9 * nearest, 1.1 * farthest, bin_length, view.window)
                 n = _list_facet(view, cell, facet, sums, n)
     return n

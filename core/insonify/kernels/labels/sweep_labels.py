@@ -33,7 +33,7 @@ from insonify.kernels.sweep.facets import (
     facet_weight,
     is_facet_met,
     part_echo,
-    range_across,
+    span_of_sector,
     widen,
 )
 from insonify.kernels.sweep.partial_segments import (
@@ -301,12 +301,12 @@ def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells
             if is_facet_met(facet):
                 open_contributor(contributions, row)
                 weight = facet_weight(facet, cell.source.gain, sector, arrays.pattern, law)
-                across = range_across(facet, sector, arrays.pattern)
-                _note_facet(facet, weight, across, cell.material, row, cell.source.level, law, bin_length, contributions)
+                span = span_of_sector(facet, cell.least, sector, arrays.pattern)
+                _note_facet(facet, weight, span, cell.material, row, cell.source.level, law, bin_length, contributions)
 
 
 @inlined
-def _note_facet(facet, weight, across, material, row, level, law, bin_length, contributions):
+def _note_facet(facet, weight, span, material, row, level, law, bin_length, contributions):
     """Note the contribution of one facet, part by part as in the sweep."""
     curve, x, per_bin = facet_curve(facet), facet.centre * facet.cosine / level, 1.0 / bin_length
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
@@ -315,6 +315,6 @@ def _note_facet(facet, weight, across, material, row, level, law, bin_length, co
     start = facet.near
     for k in range(parts):
         stop, cosine, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        first, last = widen(start, stop, across)
+        first, last = widen(start, stop, span)
         spread_contribution(contributions, row, first, last, energy, x, cosine, bin_length)
         start = stop

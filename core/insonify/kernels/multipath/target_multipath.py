@@ -13,11 +13,12 @@ from insonify.kernels.geometry.cross_sections import NEVER, HalfPlane
 from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay
 from insonify.kernels.sweep.facets import (
+    SectorSpan,
     along_curve,
     divide_facet,
     facet_curve,
     is_facet_met,
-    range_across,
+    span_of_sector,
     tilt_in_plane,
     widen,
 )
@@ -111,9 +112,8 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
             lean = zbuffer.lean[c] if whole else meet_primitive(primitive, facet.cosine, facet.sine)[2]
             place = _place(facet.centre, facet.cosine, facet.sine, facet.incidence, lean, higher.raised)
             if _is_seen_from_higher(place, body, higher, knot):
-                # Along the higher image's way slant range changes by the part of it that lies along the lower one's.
-                across = 0.5 * (1.0 + place.along) * range_across(facet, sectors[0], arrays.pattern)
-                n = _list_facet(pair, facet, place, weight, across, surface, echoes, n)
+                span = _span_of_pair(span_of_sector(facet, cell.least, sectors[0], arrays.pattern), place)
+                n = _list_facet(pair, facet, place, weight, span, surface, echoes, n)
         if n > ENOUGH:
             deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
             n = 0
@@ -181,7 +181,7 @@ def _is_seen_from_higher(place, body, higher, knot):
 
 
 @inlined_uncounted
-def _list_facet(pair, facet, place, weight, across, surface, echoes, n):
+def _list_facet(pair, facet, place, weight, span, surface, echoes, n):
     """List a facet that both images see, part by part; one part has the strength of its middle."""
     raised, per_bin, numbers = pair.other.height - pair.one.height, 1.0 / pair.bin_length, surface.numbers
     whole = _echo_of_facet(pair, facet, place, weight, surface.contributor)
@@ -189,18 +189,26 @@ def _list_facet(pair, facet, place, weight, across, surface, echoes, n):
     middle, off_mirror = 0.5 * (facet.centre + place.r_other), max(0.5 - 0.5 * mirrored, 0.0)
     parts, _ = divide_facet(facet, off_mirror, numbers, whole.near * per_bin, middle * per_bin, whole.far * per_bin)
     if pair.law == LIGHT:
-        return _list_light(pair, facet, whole, across, max(LIT_PARTS * parts, LEAST_LIT), surface, echoes, n)
+        return _list_light(pair, facet, whole, span, max(LIT_PARTS * parts, LEAST_LIT), surface, echoes, n)
     if parts == 1:
         value = pair_strength(place.incidence, place.cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
         # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
         energy = value * facet.centre * (facet.high - facet.low) / max(place.incidence, LEAST_COSINE)
-        return list_echo(echoes, n, _part_of_echo(whole, whole.near, whole.far, across, energy))
+        return list_echo(echoes, n, _part_of_echo(whole, whole.near, whole.far, span, energy))
     curve, near = facet_curve(facet), whole.near
     tilt = _tilt_along(facet, curve, place)
     for k in range(parts):
         far, energy = _part_of_pair(facet, curve, tilt, k, parts, numbers, pair, raised)
-        n, near = list_echo(echoes, n, _part_of_echo(whole, near, far, across, energy)), far
+        n, near = list_echo(echoes, n, _part_of_echo(whole, near, far, span, energy)), far
     return n
+
+
+@inlined_uncounted
+def _span_of_pair(span, place):
+    """Slant ranges of a pair of images over a sector, from those of the lower image."""
+    # The higher image's way changes by the part of the lower one's change that lies along it.
+    ratio = 0.5 * (1.0 + place.r_other / place.distance)
+    return SectorSpan(0.5 * (1.0 + place.along) * span.across, ratio * span.least)
 
 
 @inlined_uncounted
@@ -237,16 +245,16 @@ def _echo_of_facet(pair, facet, place, weight, contributor):
 
 
 @inlined_uncounted
-def _part_of_echo(whole, near, far, across, energy):
+def _part_of_echo(whole, near, far, span, energy):
     """Echo of a part of a facet, of an energy before weight and spreading."""
-    start, stop = widen(near, far, across)
+    start, stop = widen(near, far, span)
     return SurfaceEcho(
         start, stop, whole.energy * energy, whole.rise, whole.tilt, whole.x, whole.cosine, whole.contributor
     )
 
 
 @inlined_uncounted
-def _list_light(pair, facet, whole, across, parts, surface, echoes, n):
+def _list_light(pair, facet, whole, span, parts, surface, echoes, n):
     """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans."""
     # Towards a body's edge slant range changes as the root of the launch angle that is left, where a parabola errs, but
     # the cosines are linear in slant range.
@@ -255,7 +263,7 @@ def _list_light(pair, facet, whole, across, parts, surface, echoes, n):
     for k in range(parts):
         far, after = _radiance_along(surface, facet, (k + 1.0) / parts, pair, raised)
         energy = 0.5 * (before + after) * abs(far - near) / pair.bin_length
-        n = list_echo(echoes, n, _part_of_echo(whole, near, far, across, energy))
+        n = list_echo(echoes, n, _part_of_echo(whole, near, far, span, energy))
         near, before = far, after
     return n
 

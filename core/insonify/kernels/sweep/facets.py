@@ -36,6 +36,13 @@ class Facet(NamedTuple):
     arc: float  # distance across the rays per launch angle, m/rad; the distance where sound goes straight
 
 
+class SectorSpan(NamedTuple):
+    """Slant ranges over which a facet's surface lies within the azimuths that its plane represents, in m or bins."""
+
+    across: float  # change of slant range from one border of the sector to the other
+    least: float  # before which nothing of the body lies
+
+
 class FacetCurve(NamedTuple):
     """Slant range and incidence along a facet, from the launch angle of its middle."""
 
@@ -119,59 +126,61 @@ def divide_facet(facet, sine_squared, material, near, centre, far):
 
 
 @inlined_uncounted
-def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins):
+def deposit_facet(facet, least, gain, material, sector, pattern, law, bin_length, bins):
     """Spread the energy of one facet over the range bins."""
     if not is_facet_met(facet):
         return
     per_bin, weight = 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
-    across = range_across(facet, sector, pattern) * per_bin
+    across, least = span_of_sector(facet, least, sector, pattern)
+    span = SectorSpan(across * per_bin, least * per_bin)
     parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
     if parts == 1:
         first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
-        if int(min(near, centre, far) - 0.5 * across) == int(max(near, centre, far) + 0.5 * across):
+        if int(min(near, centre, far) - 0.5 * span.across) == int(max(near, centre, far) + 0.5 * span.across):
             add_energy(bins, 0.5 * (near + centre), first)
             add_energy(bins, 0.5 * (centre + far), second)
             return
-        _spread_across(bins, near, centre, across, first)
-        _spread_across(bins, centre, far, across, second)
+        _spread_across(bins, near, centre, span, first)
+        _spread_across(bins, centre, far, span, second)
         return
     curve = facet_curve(facet)
     start = facet.near
     for k in range(parts):
         stop, _, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        _spread_across(bins, start * per_bin, stop * per_bin, across, energy)
+        _spread_across(bins, start * per_bin, stop * per_bin, span, energy)
         start = stop
 
 
 @inlined_uncounted
-def range_across(facet, sector, pattern):
-    """Change of a facet's slant range from one border of its plane's sector to the other, m."""
+def span_of_sector(facet, least, sector, pattern):
+    """Slant ranges that a facet's tangent plane spans within its plane's sector: docs/theory/sweep.md."""
     width = sector_width(facet.centre * facet.cosine, facet.centre * facet.sine, facet.centre, sector, pattern)
     if not width > 0.0:
-        return 0.0
+        return SectorSpan(0.0, least)
     cos_squared = max(facet.incidence * facet.incidence, 1e-12)
     tilt = (facet.far - facet.near) / ((facet.high - facet.low) * facet.arc)
-    return width * math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0))
+    return SectorSpan(width * math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0)), least)
 
 
 @inlined_uncounted
-def widen(near, far, across):
-    """Places between which an even density has the mean and the variance of one from near to far, moved by ``across``.
+def widen(near, far, span):
+    """Slant ranges between which the echo of a stretch from near to far spreads over its sector.
 
-    Two even densities folded make a trapezoid, the variance of which is the sum of theirs.
+    Folded with the even density across the sector, that of the stretch becomes a trapezoid; an even one takes its
+    place, of the same mean and variance, the sum of both.
     """
-    if not across > 0.0:
+    if not span.across > 0.0:
         return near, far
     middle, length = 0.5 * (near + far), far - near
-    half = 0.5 * math.sqrt(length * length + across * across)
-    return max(middle - half, 0.0), middle + half
+    half = 0.5 * math.sqrt(length * length + span.across * span.across)
+    return max(middle - half, min(span.least, near, far)), middle + half
 
 
 @inlined_uncounted
-def _spread_across(bins, near, far, across, energy):
-    """Spread an energy between two positions that move by ``across`` over a sector."""
-    start, stop = widen(near, far, across)
+def _spread_across(bins, near, far, span, energy):
+    """Spread the energy of a stretch between two positions over the bins."""
+    start, stop = widen(near, far, span)
     spread_energy(bins, start, stop, energy)
 
 

@@ -385,38 +385,47 @@ class Spacing(Number):
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
         """Strides that divide the period of the bed; every node of a measured bed, which is not alike everywhere."""
         seabed, wish = case.scene.seabed, self.wish(case)
-        cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
         if wish is not None:
+            cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
             if any(count % wish for count in cells):
                 raise SceneError(
                     f"model spacing: '{wish}' does not divide the {min(cells)} cells after which the bed repeats; "
                     "give a number that does, such as 1"
                 )
             return (wish,)
+        return self._fitting(case, model)
+
+    def _fitting(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Strides that a scene admits, whether or not one is forced, coarsest first."""
+        seabed = case.scene.seabed
         # To make endless ground anew for each stride takes far longer than to trace all of its nodes.
         if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or not self.applies(model):
             return (1,)
-        fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
-        return tuple(sorted(fitting, reverse=True))
+        cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
+        return tuple(n for n in STRIDES[::-1] if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Greatest error of the strides up to a model's, with few planes; if not cautious, that of its own."""
+        """Greatest error of the strides up to a model's by few planes; if forced or not cautious, that of its own."""
+        return self._error(case, model, cautious=cautious, alone=self.subject in case.forced)
+
+    def _error(self, case: Case, model: Model, *, cautious: bool, alone: bool) -> float:
+        """Error of a stride alone, or the greatest of those up to it, weighted over a level bed."""
         fine = _finest(case, model)
         fine = fine._replace(planes=case.least_planes if fine.ways else case.few_planes)
         if not cautious:
             return case.probe.difference(fine._replace(every=model.every), fine)
-        strides = [2**n for n in range(1, int(math.log2(model.every)) + 1)]
-        coarse = [model.every] if self.subject in case.forced else strides
-        weight = OF_LEVEL_BED if case.scene.seabed.relief.level and self.subject not in case.forced else 1.0
+        coarse = [model.every] if alone else [2**n for n in range(1, int(math.log2(model.every)) + 1)]
+        weight = OF_LEVEL_BED if case.scene.seabed.relief.level and not alone else 1.0
         pairs = ((fine._replace(every=every), fine) for every in coarse)
         return weight * max((case.probe.difference(*pair, nearer=NEARER, cautious=True) for pair in pairs), default=0.0)
 
     def common(self, case: Case, model: Model) -> int:
         """Stride with which errors of planes are measured: the greatest of little error, at any tolerance."""
-        strides = reversed(self.settings(case, model))
-        return max(
-            takewhile(lambda one: self.error(case, model._replace(every=one)) < BESIDE_NODES, strides), default=1
-        )
+
+        def errs_little(every: int) -> bool:
+            return self._error(case, model._replace(every=every), cautious=True, alone=False) < BESIDE_NODES
+
+        return max(takewhile(errs_little, reversed(self._fitting(case, model))), default=1)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
