@@ -14,7 +14,7 @@ from insonify.accuracy.timing import time_calls
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import Plan
 from insonify.scene import edit, load_scene
-from insonify.tracers import sweep
+from insonify.tracers import march, rays, sweep
 from insonify.tracers.base import prepare_tracer
 
 pytestmark = pytest.mark.bench
@@ -74,7 +74,7 @@ def test_knots_planes_and_targets(say):
     plane = times[1] / knot - KNOTS
     tell(say, "PLANE, knots of a knife", sweep.PLANE, plane)
     segments, parts, beyond = zip(
-        *(sweep.divide_profile(REACH, every * SPACING, DEFAULT.altitude) for every in STRIDES)
+        *(sweep._divide_profile(REACH, every * SPACING, DEFAULT.altitude) for every in STRIDES)
     )
     left = np.array([times[every] for every in STRIDES]) / knot - plane - np.array(beyond)
     cut, part = np.linalg.lstsq(np.column_stack([segments, parts])[2:], left[2:])[0]
@@ -103,17 +103,19 @@ def test_surface_paths(say):
         calls = {ways: call_of(below, Model(planes=planes, ways=ways)) for ways in (frozenset(), PATHS)}
         times = medians(calls)
         ratio = (times[PATHS] / times[frozenset()] - 1.0) / len(PATHS)
-        tell(say, f"a path by the surface, {name}", sweep.weigh_path(pack(below).arrays), ratio)
+        facets = pack(below).arrays.multipath.facets.shape[1]
+        constant = sweep.SURFACE_PATH + (sweep.FACET * facets if facets > 1 else 0.0)
+        tell(say, f"a path by the surface, {name}", constant, ratio)
 
 
 def test_single_rays(say):
-    bare, few, rays = edit(DEFAULT, BARE | KNIFE), PINGS[:2], 2000
+    bare, few, count = edit(DEFAULT, BARE | KNIFE), PINGS[:2], 2000
     calls = {every: call_of(bare, Model(every=every), MANY) for every in STRIDES}
-    calls["rays"] = call_of(bare, Model("rays", rays=rays), few)
-    calls["bent"] = call_of(edit(bare, BENT), Model("rays", rays=rays, bent=True), few)
-    calls["march"] = call_of(bare, Model("march", rays=rays, step=0.1), few)
+    calls["rays"] = call_of(bare, Model("rays", rays=count), few)
+    calls["bent"] = call_of(edit(bare, BENT), Model("rays", rays=count, bent=True), few)
+    calls["march"] = call_of(bare, Model("march", rays=count, step=0.1), few)
     times, steps = medians(calls), REACH / 0.1
     knot = time_a_knot(times)
-    tell(say, "RAY, knots", rays.RAY, times["rays"] / knot / rays)
-    tell(say, "REFRACTED_RAY, knots", rays.REFRACTED_RAY, times["bent"] / knot / rays)
-    tell(say, "STEP, knots", sweep.STEP, (times["march"] / knot / rays - rays.RAY) / steps)
+    tell(say, "RAY, knots", rays.RAY, times["rays"] / knot / count)
+    tell(say, "REFRACTED_RAY, knots", rays.REFRACTED_RAY, times["bent"] / knot / count)
+    tell(say, "STEP, knots", march.STEP, (times["march"] / knot / count - rays.RAY) / steps)

@@ -1,5 +1,7 @@
 """Speed and accuracy side by side, printed: run with `pytest -m bench -s tests/bench`."""
 
+from dataclasses import replace
+from functools import partial
 from time import thread_time
 
 import numpy as np
@@ -13,44 +15,49 @@ from insonify.tracers import rays, sweep
 
 pytestmark = pytest.mark.bench
 DEFAULT = load_scene("default")
-PINGS = np.arange(512)
 SOME = np.arange(40, 480, 40)
 
 
-def test_a_knife_on_one_thread(say):
+SCENES = {  # with the greatest time of a ping that is aimed at, in µs of one thread
+    "knife": (DEFAULT, {"sonar.beam": "knife", "targets": []}, 6),
+    "knife at 37°": (DEFAULT, {"sonar.beam": "knife", "targets": [], "track.heading": 37.0}, 12),
+    "default, bare": (DEFAULT, {"targets": []}, 39),
+    "default": (DEFAULT, {}, 98),
+    "array, two-way": (DEFAULT, {"sonar.beam": {"kind": "array", "length": 0.3, "two_way": True}}, None),
+    "targets": (load_scene("targets"), {}, None),
+    "ghosts": (load_scene("ghosts"), {}, None),
+    "rough-ground": (load_scene("rough-ground"), {}, 1800),
+    "thermocline": (load_scene("thermocline"), {}, 700),
+    "wreck": (load_scene("wreck"), {}, 750),
+}
+
+
+def test_scenes_as_planned(say):
+    calls, rows = {}, {}
+    for name, (scene, changes, aim) in SCENES.items():
+        simulation = prepare(edit(scene, changes), threads=1)
+        pings = np.arange(0, simulation.scene.track.pings, 1 if simulation.plan.cost < 3e-4 else 8)
+        poses, some = simulation.poses(pings), simulation.poses(pings[:: max(pings.size // 12, 1)])
+        planes = max(simulation.plan.planes, 1)
+        fine = replace(simulation.plan, model=simulation.plan.model._replace(planes=512 if planes > 1 else 1))
+        right = replace(simulation, plan=fine).trace(some)
+        errors = compare_records(simulation.reduced, some, simulation.trace(some), right)
+        calls[name] = partial(simulation.trace, poses)
+        rows[name] = planes, pings.size, errors, aim
+    timings = time_calls(calls, rounds=7, clock=thread_time)
+    for name, (planes, pings, errors, aim) in rows.items():
+        say(
+            f"{name:15s} {1e6 * timings[name].median / pings:7.1f} µs a ping ± {100 * timings[name].spread:2.0f} %"
+            f" (aim {aim or '-'}), {planes:2d} planes, {100 * errors.beyond:.2f} % from 512",
+        )
+
+
+def test_a_knife_against_rays(say):
     simulation = prepare(edit(DEFAULT, {"sonar.beam": "knife", "targets": []}))
-    arrays, poses = simulation.arrays, simulation.poses(PINGS)
-    timing = time_calls({"knife": lambda: sweep.trace(arrays, poses, threads=1)}, rounds=9, clock=thread_time)["knife"]
-    few = simulation.poses(SOME)
-    errors = compare_records(arrays, few, sweep.trace(arrays, few), rays.trace(arrays, few, rays=1 << 18))
-    say(
-        f"knife, 2 × 1000 bins over 1024²: {PINGS.size / timing.median:,.0f} pings/s a thread "
-        f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
-        f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
-    )
+    arrays, few = simulation.reduced, simulation.poses(SOME)
+    exact = rays.trace(arrays, few, rays=1 << 18)
+    for words, limits in (("whole segments, as planned", arrays), ("segments divided", simulation.arrays)):
+        errors = compare_records(arrays, few, sweep.trace(limits, few), exact)
+        say(f"knife, {words}: {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all")
     single = compare_records(arrays, few, sweep.trace(arrays, few), sweep.trace(arrays, few, double=True))
     say(f"knife: single precision errs by {single.beyond:.1e} of double")
-
-
-def test_a_fan_as_planned(say):
-    fans = {
-        f"{width:g}°{', no targets' if not targets else ''}": prepare(
-            edit(DEFAULT, {"sonar.beam.width": width} | ({} if targets else {"targets": []}))
-        )
-        for width in (1.0, 2.5)
-        for targets in (True, False)
-    }
-
-    def tracing(simulation):
-        poses = simulation.poses(PINGS)
-        return lambda: sweep.trace(simulation.arrays, poses, planes=simulation.plan.planes, threads=2)
-
-    timings = time_calls({name: tracing(simulation) for name, simulation in fans.items()}, rounds=5)
-    for name, simulation in fans.items():
-        poses = simulation.poses(SOME)
-        record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 64))
-        errors = compare_records(simulation.arrays, poses, record, fine)
-        say(
-            f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
-            f"{PINGS.size} pings on two threads, {100 * errors.beyond:.2f} % from 64 planes",
-        )

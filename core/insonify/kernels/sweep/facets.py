@@ -19,6 +19,7 @@ MOST_PARTS = 16
 LOBE_END = 8.0  # n sin²α at which a specular lobe of exponent n has fallen to exp(-16)
 LOBE_TURN = 0.15  # n times the squared change of incidence along a facet up to which the lobe's mean is a series
 PER_LOBE = 6.0  # parts per 1/√n of incidence beyond it: three per standard deviation of the lobe
+MOST_LEAN = 3.0  # across the plane: a body's edge-on rim leans more, but fills no sector
 UNEVEN = 100.0  # parts squared, per share of a facet's energy that an even density puts beyond a border between bins
 
 
@@ -160,7 +161,8 @@ def span_of_sector(facet, least, sector, pattern):
         return SectorSpan(0.0, least)
     cos_squared = max(facet.incidence * facet.incidence, 1e-12)
     tilt = (facet.far - facet.near) / ((facet.high - facet.low) * facet.arc)
-    return SectorSpan(width * math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0)), least)
+    lean = math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0))
+    return SectorSpan(width * min(lean, MOST_LEAN), least)
 
 
 @inlined_uncounted
