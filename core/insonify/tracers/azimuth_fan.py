@@ -31,8 +31,8 @@ FEW = 16  # planes, beyond which the approximations below shrink with the spacin
 FORESHORTENED = 0.1
 SPLAY = 0.4  # share of FORESHORTENED by which inner planes lie farther out than equal parts of the half width
 # Growth of an outer sector from its beginning to its end, as a share: of the first sector, and at most. Sectors widen
-# outwards: with many planes the first are about as narrow as the inner ones, and those near the bow reach few bins.
-OUTER_GROWTH, MOST_GROWTH, WIDENING = 0.4, 1.2, 1.1
+# outwards, by which factor for few planes and for many: those near the bow reach few bins, and each costs a plane.
+OUTER_GROWTH, MOST_GROWTH, WIDENING, LEAST_WIDENING = 0.4, 4.0, 1.8, 1.1
 # Nearer than twice the altitude planes may lie farther apart, since a bin holds more of the bed there: up to this
 # share of their number times their spacing.
 COARSER = 0.2
@@ -151,7 +151,7 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
     edges, growth = [math.sin(splayed)], OUTER_GROWTH * rough * rough
     while edges[-1] < 1.0:
         edges.append(min(1.0, edges[-1] * (1.0 + growth)))
-        growth = min(WIDENING * growth, MOST_GROWTH * rough)
+        growth = min(max(WIDENING**rough, LEAST_WIDENING) * growth, MOST_GROWTH * rough)
     azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
     low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
     is_inner = np.arange(low.size) < inner.size - 1

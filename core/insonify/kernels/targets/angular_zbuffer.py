@@ -154,7 +154,7 @@ class AngularZbuffer(NamedTuple):
     low: NDArray[np.float64]  # launch angle above the horizontal at which the primitive begins, rad
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (primitives, 4) of a triangle: ground range and height above the sonar of its ends
-    least: NDArray[np.float64]  # slant range before which nothing of a body lies, m; 0 of a triangle, whose mesh may
+    least: NDArray[np.float64]  # slant range before which nothing of a body lies, m; 0 of a triangle
     source: NDArray[np.float64]  # (primitives, 11) apparent sources, in water that refracts
     rim: NDArray[np.float64]  # (bodies, 6) of a body: launch angles at which one face ends and another begins
     first: NDArray[np.int64]  # cell in which a primitive begins
