@@ -134,4 +134,4 @@ def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most():
     )
     poses = fine.poses(pings)
     records = (sweep.trace(fine.arrays, poses, planes=one.plan.planes) for one in (coarse, fine))
-    assert 0.05 < compare_records(fine.arrays, poses, *records).beyond < 0.2
+    assert 0.02 < compare_records(fine.arrays, poses, *records).beyond < 0.2
