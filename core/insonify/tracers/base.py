@@ -183,6 +183,11 @@ def trace_blocks(
 ) -> None:
     """Share pings among threads, block by block; refuse a sonar inside a target."""
     refuse_sonar_in_target(arrays, poses)
+    share_blocks(poses, trace, threads, least)
+
+
+def share_blocks(poses: Poses, trace: Callable[[Poses, int, int], None], threads: int | None, least: int = 1) -> None:
+    """Share pings among threads, block by block."""
     in_parallel(
         lambda first, last: trace(take_poses(poses, slice(first, last)), first, last), poses.x.size, threads, least
     )

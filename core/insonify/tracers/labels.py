@@ -18,11 +18,12 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
 from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.base import trace_blocks
+from insonify.tracers.base import share_blocks
 from insonify.tracers.sweep import pings_a_thread
 from insonify.tracers.target_planes import find_pings_met
 
@@ -80,8 +81,10 @@ def trace_labels(
     With ``echoes``, traced by the same planes, pings that meet no target have the bed wherever there is one, of no
     place, incidence and material.
     """
+    refuse_sonar_in_target(arrays, poses)
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
+    rooms = PerThread(lambda: _make_room(arrays, apparent))
     if folded.any():
         places = np.flatnonzero(folded)
         _enter(found, places, _find_by_rays(arrays, take_poses(poses, places), rays, threads))
@@ -93,7 +96,7 @@ def trace_labels(
             _enter(found, places[~met], _find_bed(echoes[places[~met]], found.target_echo.shape[2]))
             places = places[met]
         if places.size > 0:
-            _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
+            _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, rooms, threads))
     found.energy[folded] *= FIXED_POINT  # rays count in plain units
     labels = _describe_contributors(arrays, found)
     if crosstalk > 0.0:
@@ -142,28 +145,33 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
         )
         label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last))
 
-    trace_blocks(arrays, poses, block, threads)
+    share_blocks(poses, block, threads)
     return found
 
 
+def _make_room(arrays: SceneArrays, apparent: ApparentTables) -> tuple[Any, ...]:
+    """Work space for the labels of pings."""
+    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
+    room = empty_sweep_workspace(arrays, apparent)
+    images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
+    return room, images, empty_contributor_table(contributors, arrays.bins), shadows
+
+
 def _find(
-    arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], apparent: ApparentTables, threads: int | None
+    arrays: SceneArrays,
+    poses: Poses,
+    beams: list[AzimuthFan],
+    apparent: ApparentTables,
+    rooms: PerThread[tuple[Any, ...]],
+    threads: int | None,
 ) -> BinLabels:
     """Labels of pings that share their planes."""
-    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
-
-    def make_room() -> tuple[Any, ...]:
-        room = empty_sweep_workspace(arrays, apparent)
-        images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
-        return room, images, empty_contributor_table(contributors, arrays.bins), shadows
-
-    rooms = PerThread(make_room)
 
     def block(part: Poses, first: int, last: int) -> None:
         label_swept_pings(arrays, part, *beams, apparent, *rooms.own, labels_of_pings(found, first, last))
 
-    trace_blocks(arrays, poses, block, threads, pings_a_thread(beams[0]))
+    share_blocks(poses, block, threads, pings_a_thread(beams[0]))
     return found
 
 

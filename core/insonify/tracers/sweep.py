@@ -12,18 +12,19 @@ import numpy as np
 from insonify.arrays import Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
+from insonify.kernels.multipath.surface_multipath import MultipathWorkspace, empty_multipath_workspace, sweep_multipath
 from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.sweep import AzimuthFan, SweepWorkspace, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import PerThread, in_parallel
 from insonify.scene import Scene
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
-from insonify.tracers.base import PreparedTracer, Tracer, new_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -105,6 +106,7 @@ def trace(
     double: bool = False,
 ) -> Singles:
     """Trace pings by the sweep."""
+    refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
     if folded.any():
@@ -119,7 +121,13 @@ def trace(
     clear = np.flatnonzero(~folded)
     fans = lay_planes_of_images(arrays, take_poses(poses, clear), planes, across)
 
-    rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, np.float64 if double else np.float32))
+    dtype = np.float64 if double else np.float32
+    rooms = PerThread(
+        lambda: (
+            empty_sweep_workspace(arrays, apparent, dtype),
+            empty_multipath_workspace(arrays, dtype) if arrays.multipath.enabled else None,
+        )
+    )
 
     def block(first: int, last: int) -> None:
         for among, *beams in fans[first:last]:
@@ -140,7 +148,7 @@ def _trace_alike(
     poses: Poses,
     beams: tuple[AzimuthFan, AzimuthFan],
     apparent: ApparentTables,
-    rooms: PerThread[SweepWorkspace],
+    rooms: PerThread[tuple[SweepWorkspace, MultipathWorkspace | None]],
     threads: int | None,
     out: Singles,
 ) -> None:
@@ -148,13 +156,12 @@ def _trace_alike(
     beam, image_beam = beams
 
     def block(part: Poses, first: int, last: int) -> None:
-        room = rooms.own
+        room, images = rooms.own
         sweep_pings(arrays, part, beam, apparent, room, out[first:last])
-        if arrays.multipath.enabled:
-            images = empty_multipath_workspace(arrays, room.profile.slope.dtype)
+        if images is not None:
             sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
 
-    trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))
+    share_blocks(poses, block, threads, pings_a_thread(beam))
 
 
 def pings_a_thread(beam: AzimuthFan) -> int:
