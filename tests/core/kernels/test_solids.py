@@ -10,7 +10,13 @@ import naive
 from beds import arrays_of, poses_of, solids_of
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.geometry.solids import distance_to_solid, exit_solid, find_enclosing_solid, intersect_solid
+from insonify.kernels.geometry.solids import (
+    distance_to_solid,
+    exit_solid,
+    find_enclosing_solid,
+    intersect_solid,
+    reach_of_solid,
+)
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))
@@ -157,21 +163,23 @@ def test_a_record_of_a_cone_agrees_with_brute_force(law):
 
 @kernel
 def measure_distances(solids, points, out):
-    """Distance from each point to the first body."""
+    """Distances from each point to the nearest place of the first body, and to a bound on the farthest."""
     for n in range(points.shape[0]):
-        out[n] = distance_to_solid(solids, 0, points[n, 0], points[n, 1], points[n, 2])
+        x, y, z = points[n]
+        out[n] = distance_to_solid(solids, 0, x, y, z), reach_of_solid(solids, 0, x, y, z)
 
 
 @pytest.mark.parametrize("body", [(PLUG[0], 0.7), ((0.0, 0.0, 0.0), (6.0, 0.0, 0.0), 0.5), PLUG, TIP])
-def test_the_nearest_place_of_a_body(body):
+def test_the_nearest_place_of_a_body_and_a_bound_on_its_farthest(body):
     rng, solids = np.random.default_rng(5), solids_of([body])
     centre = solids.start[0] + 0.5 * solids.length[0] * solids.axis[0]
     inside = centre + rng.uniform(-4.0, 4.0, (200_000, 3))
     inside = inside[[find_enclosing_solid(solids, *point[:, None]) == 0 for point in inside]]
     points = centre + rng.normal(size=(40, 3)) * 6.0
     points = points[[find_enclosing_solid(solids, *point[:, None]) < 0 for point in points]]
-    found = np.empty(len(points))
+    found = np.empty((len(points), 2))
     measure_distances(solids, points, found)
-    sampled = np.linalg.norm(points[:, None] - inside[None], axis=2).min(axis=1)
-    assert np.all(found <= sampled + 1e-12)
-    np.testing.assert_allclose(found, sampled, atol=0.25)
+    sampled = np.linalg.norm(points[:, None] - inside[None], axis=2)
+    assert np.all(found[:, 0] <= sampled.min(axis=1) + 1e-12)
+    np.testing.assert_allclose(found[:, 0], sampled.min(axis=1), atol=0.25)
+    assert np.all((found[:, 1] >= sampled.max(axis=1)) & (found[:, 1] < sampled.max(axis=1) + 3.0))

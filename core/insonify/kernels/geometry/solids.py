@@ -80,6 +80,14 @@ def distance_to_solid(solids, k, x, y, z):
 
 
 @inlined_uncounted
+def reach_of_solid(solids, k, x, y, z):
+    """Distance from a point beyond which nothing of a body lies."""
+    px, py, pz, length = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z, solids.length[k]
+    qx, qy, qz = px + length * solids.axis[k, 0], py + length * solids.axis[k, 1], pz + length * solids.axis[k, 2]
+    return math.sqrt(max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)) + greatest_radius(solids, k)
+
+
+@inlined_uncounted
 def is_inside_solid(solids, k, x, y, z):
     """Whether a point is inside a body."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]

@@ -248,12 +248,12 @@ def _list_targets(view, cells, count, n):
             facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
             if not is_facet_met(facet):
                 continue
-            half = 0.5 * span_of_sector(facet, cell.least, sector, arrays.pattern).across
+            half = 0.5 * span_of_sector(facet, cell.bounds, sector, arrays.pattern).across
             nearest = max(min(facet.near, facet.centre, facet.far) - half, 0.0)
             farthest = max(facet.near, facet.centre, facet.far) + half
             if nearest < view.far and farthest > view.near:
                 law, bin_length, pattern, gain = arrays.law, arrays.bin_length, arrays.pattern, cell.source.gain
-                deposit_facet(facet, cell.least, gain, cell.material, sector, pattern, law, bin_length, parts.bins)
+                deposit_facet(facet, cell.bounds, gain, cell.material, sector, pattern, law, bin_length, parts.bins)
                 sums = _take_bins(parts.bins.steps, 0.9 * nearest, 1.1 * farthest, bin_length, view.window)
                 n = _list_facet(view, cell, facet, sums, n)
     return n

@@ -301,7 +301,7 @@ def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells
             if is_facet_met(facet):
                 open_contributor(contributions, row)
                 weight = facet_weight(facet, cell.source.gain, sector, arrays.pattern, law)
-                span = span_of_sector(facet, cell.least, sector, arrays.pattern)
+                span = span_of_sector(facet, cell.bounds, sector, arrays.pattern)
                 _note_facet(facet, weight, span, cell.material, row, cell.source.level, law, bin_length, contributions)
 
 

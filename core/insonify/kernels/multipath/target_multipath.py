@@ -112,7 +112,7 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
             lean = zbuffer.lean[c] if whole else meet_primitive(primitive, facet.cosine, facet.sine)[2]
             place = _place(facet.centre, facet.cosine, facet.sine, facet.incidence, lean, higher.raised)
             if _is_seen_from_higher(place, body, higher, knot):
-                span = _span_of_pair(span_of_sector(facet, cell.least, sectors[0], arrays.pattern), place)
+                span = _span_of_pair(span_of_sector(facet, cell.bounds, sectors[0], arrays.pattern), place)
                 n = _list_facet(pair, facet, place, weight, span, surface, echoes, n)
         if n > ENOUGH:
             deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
@@ -208,7 +208,7 @@ def _span_of_pair(span, place):
     """Slant ranges of a pair of images over a sector, from those of the lower image."""
     # The higher image's way changes by the part of the lower one's change that lies along it.
     ratio = 0.5 * (1.0 + place.r_other / place.distance)
-    return SectorSpan(0.5 * (1.0 + place.along) * span.across, ratio * span.least)
+    return SectorSpan(0.5 * (1.0 + place.along) * span.across, ratio * span.least, ratio * span.most)
 
 
 @inlined_uncounted

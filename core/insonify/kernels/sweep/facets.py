@@ -42,6 +42,7 @@ class SectorSpan(NamedTuple):
 
     across: float  # change of slant range from one border of the sector to the other
     least: float  # before which nothing of the body lies
+    most: float  # and beyond which nothing of it lies
 
 
 class FacetCurve(NamedTuple):
@@ -127,14 +128,14 @@ def divide_facet(facet, sine_squared, material, near, centre, far):
 
 
 @inlined_uncounted
-def deposit_facet(facet, least, gain, material, sector, pattern, law, bin_length, bins):
+def deposit_facet(facet, bounds, gain, material, sector, pattern, law, bin_length, bins):
     """Spread the energy of one facet over the range bins."""
     if not is_facet_met(facet):
         return
     per_bin, weight = 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
     near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
-    across, least = span_of_sector(facet, least, sector, pattern)
-    span = SectorSpan(across * per_bin, least * per_bin)
+    across, least, most = span_of_sector(facet, bounds, sector, pattern)
+    span = SectorSpan(across * per_bin, least * per_bin, most * per_bin)
     parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
     if parts == 1:
         first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
@@ -154,15 +155,18 @@ def deposit_facet(facet, least, gain, material, sector, pattern, law, bin_length
 
 
 @inlined_uncounted
-def span_of_sector(facet, least, sector, pattern):
-    """Slant ranges that a facet's tangent plane spans within its plane's sector: docs/theory/sweep.md."""
+def span_of_sector(facet, bounds, sector, pattern):
+    """Slant ranges that a facet's tangent plane spans within its plane's sector, and those of its body, (least, most).
+
+    Derived in docs/theory/sweep.md.
+    """
     width = sector_width(facet.centre * facet.cosine, facet.centre * facet.sine, facet.centre, sector, pattern)
     if not width > 0.0:
-        return SectorSpan(0.0, least)
+        return SectorSpan(0.0, bounds[0], bounds[1])
     cos_squared = max(facet.incidence * facet.incidence, 1e-12)
     tilt = (facet.far - facet.near) / ((facet.high - facet.low) * facet.arc)
     lean = math.sqrt(max((1.0 - cos_squared) / cos_squared - tilt * tilt, 0.0))
-    return SectorSpan(width * min(lean, MOST_LEAN), least)
+    return SectorSpan(width * min(lean, MOST_LEAN), bounds[0], bounds[1])
 
 
 @inlined_uncounted
@@ -176,7 +180,7 @@ def widen(near, far, span):
         return near, far
     middle, length = 0.5 * (near + far), far - near
     half = 0.5 * math.sqrt(length * length + span.across * span.across)
-    return max(middle - half, min(span.least, near, far)), middle + half
+    return max(middle - half, min(span.least, near, far)), min(middle + half, max(span.most, near, far))
 
 
 @inlined_uncounted

@@ -43,7 +43,7 @@ class TargetCell(NamedTuple):
     high: float
     facets: int  # into which the cell is divided
     knot: int  # of the bed, at or before the cell's middle
-    least: float  # slant range before which nothing of the body lies, m
+    bounds: tuple[float, float]  # slant ranges before and beyond which nothing of the body lies, m
 
 
 @inlined_uncounted
@@ -61,7 +61,7 @@ def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer
     solids, mesh, table = bodies
     edge, cosine, sine, nearest = zbuffer.edge, zbuffer.cosine, zbuffer.sine, zbuffer.nearest
     near, distance, far, incidence = zbuffer.near, zbuffer.distance, zbuffer.far, zbuffer.incidence
-    sources, least, knot = zbuffer.source, zbuffer.least, -1
+    sources, least, most, knot = zbuffer.source, zbuffer.least, zbuffer.most, -1
     for cell in range(cells):
         if nearest[cell] == NO_PRIMITIVE:
             continue
@@ -69,6 +69,7 @@ def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer
         source = load_apparent_source(sector.bent, sources[nearest[cell]])
         gain, material = source.gain, (table[row, 0], table[row, 1], table[row, 2])
         c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+        bounds = least[nearest[cell]], most[nearest[cell]]
         arc = rays_apart(source, distance[cell])
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell], arc)
         facets = _facet_count(facet)
@@ -77,13 +78,13 @@ def _deposit_cells(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer
         knot = knot_before(bed, farthest, knot)
         ridge = horizon_at(bed, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
-            deposit_facet(facet, least[nearest[cell]], gain, material, sector, pattern, law, bin_length, bins)
+            deposit_facet(facet, bounds, gain, material, sector, pattern, law, bin_length, bins)
             continue
         body, line = zbuffer.body[nearest[cell]], zbuffer.line[nearest[cell]]
         primitive = load_primitive(solids, mesh, plane, body, line, source)
         for k in range(facets):
             facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, bed, knot)
-            deposit_facet(facet, least[nearest[cell]], gain, material, sector, pattern, law, bin_length, bins)
+            deposit_facet(facet, bounds, gain, material, sector, pattern, law, bin_length, bins)
 
 
 @inlined_uncounted
@@ -97,8 +98,8 @@ def load_cell(cell, bodies, plane, bent, zbuffer, bed, knot):
     facet = cell_facet(zbuffer, cell)
     material, target = (table[row, 0], table[row, 1], table[row, 2]), target_of_body(solids, mesh, body)
     low, high, knot = zbuffer.edge[cell], zbuffer.edge[cell + 1], knot_before(bed, facet.centre * facet.cosine, knot)
-    facets, least = _facet_count(facet), zbuffer.least[p]
-    return TargetCell(primitive, source, body, target, row, material, low, high, facets, knot, least)
+    facets, bounds = _facet_count(facet), (zbuffer.least[p], zbuffer.most[p])
+    return TargetCell(primitive, source, body, target, row, material, low, high, facets, knot, bounds)
 
 
 @inlined_uncounted

@@ -17,7 +17,7 @@ from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_on_
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import SPHERE, Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
-from insonify.kernels.geometry.solids import distance_to_solid
+from insonify.kernels.geometry.solids import distance_to_solid, reach_of_solid
 from insonify.kernels.targets.apparent_targets import (
     FIELDS,
     apply_apparent_sources,
@@ -155,6 +155,7 @@ class AngularZbuffer(NamedTuple):
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (primitives, 4) of a triangle: ground range and height above the sonar of its ends
     least: NDArray[np.float64]  # slant range before which nothing of a body lies, m; 0 of a triangle
+    most: NDArray[np.float64]  # and beyond which nothing of it lies, m; infinite of a triangle
     source: NDArray[np.float64]  # (primitives, 11) apparent sources, in water that refracts
     rim: NDArray[np.float64]  # (bodies, 6) of a body: launch angles at which one face ends and another begins
     first: NDArray[np.int64]  # cell in which a primitive begins
@@ -181,10 +182,10 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     edge, cosine, sine, distance, incidence, lean, near, far, nearness_cosine, nearness_sine = np.zeros((10, cells))
     body, first, nearest = np.zeros(primitives, np.int64), np.zeros(primitives, np.int64), np.zeros(cells, np.int64)
     line, source, rim = np.zeros((primitives, 4)), np.zeros((primitives, FIELDS)), np.zeros((bodies, RIMS))
-    least = np.zeros(primitives)
+    least, most = np.zeros((2, primitives))
     return AngularZbuffer(
-        body, low, high, line, least, source, rim, first, edge, cosine, sine, nearest, distance, incidence, lean, near,
-        far, nearness_cosine, nearness_sine, np.zeros((3, cells)),
+        body, low, high, line, least, most, source, rim, first, edge, cosine, sine, nearest, distance, incidence, lean,
+        near, far, nearness_cosine, nearness_sine, np.zeros((3, cells)),
     )  # fmt: skip
 
 
@@ -202,19 +203,21 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     if primitives == 0:
         return 0
     if sector.angle > 0.0:
-        _measure_least(arrays.solids, plane, sector.bent, zbuffer, solid_primitives, primitives)
+        _bound_ranges(arrays.solids, plane, sector.bent, zbuffer, solid_primitives, primitives)
     return _fill_cells(arrays.solids, arrays.mesh, plane, sector.bent, zbuffer, solid_primitives, primitives)
 
 
 @inlined_uncounted
-def _measure_least(solids, plane, bent, zbuffer, solid_primitives, primitives):
-    """Measure the slant range before which nothing of each body lies, in or beside the plane."""
+def _bound_ranges(solids, plane, bent, zbuffer, solid_primitives, primitives):
+    """Bound the slant ranges at which each body lies, in or beside the plane."""
     for p in range(solid_primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         seen_from = plane_from_source(source, plane) if bent else plane
-        distance = distance_to_solid(solids, zbuffer.body[p], seen_from.x, seen_from.y, seen_from.z)
-        zbuffer.least[p] = source.offset + source.gauge * distance if bent else distance
-    zbuffer.least[solid_primitives:primitives] = 0.0
+        least = distance_to_solid(solids, zbuffer.body[p], seen_from.x, seen_from.y, seen_from.z)
+        most = reach_of_solid(solids, zbuffer.body[p], seen_from.x, seen_from.y, seen_from.z)
+        zbuffer.least[p] = source.offset + source.gauge * least if bent else least
+        zbuffer.most[p] = source.offset + source.gauge * most if bent else most
+    zbuffer.least[solid_primitives:primitives], zbuffer.most[solid_primitives:primitives] = 0.0, math.inf
 
 
 @inlined_uncounted
