@@ -347,7 +347,7 @@ def test_a_drag_looks_like_what_it_leads_to(width):
     simulator._cost = 0.0  # as if pings cost nothing, none to be thinned out
     (coarse,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
     simulator.close()
-    # Three planes, which the default tolerance admits, err themselves by half of what the blur leaves.
+    # Three planes, which the default tolerance admits, are themselves apart from the mean over the beam.
     simulation = prepare(scene, tolerance=0.005)
     fine = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     wanted, plane = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in (fine, coarse.amplitude))
