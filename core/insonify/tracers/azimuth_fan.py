@@ -27,8 +27,8 @@ from insonify.tracers.target_planes import (
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
-# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ. That misplaces targets by half of
-# FORESHORTENED half widths or so, which more than STRETCHED planes would show: for these the share is smaller.
+# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ. This misplaces targets by half
+# of FORESHORTENED half widths or so, which more than STRETCHED planes would show: for these the share is smaller.
 FORESHORTENED, STRETCHED = 0.1, 4
 SPLAY = 0.4  # share of FORESHORTENED by which inner planes lie farther out than equal parts of the half width
 # Growth of an outer sector from its beginning to its end, as a share: of the first sector, and at most. Sectors widen
