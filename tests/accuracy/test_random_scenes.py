@@ -5,7 +5,6 @@ far the last doubling of the rays moved their record, and about half of that is 
 reference goes dark or lit for at least two bins. Likewise through thermoclines, by tables against arcs.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,23 +75,6 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
     )
 
 
-def judge_many(
-    seeds: range, folder: Path, say: Callable[[str], None], tolerance: float, *, bent: bool = False
-) -> list[Judged]:
-    """Judge many scenes and print them, a line each, and all of them together."""
-    all_judged = []
-    for seed in seeds:
-        all_judged.append(judge(seed, folder, tolerance, bent=bent))
-        say(all_judged[-1].line())
-    errors = np.array([judged.errors.beyond for judged in all_judged])
-    edges = np.concatenate([judged.edges for judged in all_judged])
-    say(
-        f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
-        f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
-    )
-    return all_judged
-
-
 def worst_level(record: np.ndarray, right: np.ndarray) -> float:
     """Decibels between a record and its reference in the worst stretch of any side that is heard at all."""
     one, other = (
@@ -144,9 +126,16 @@ def test_the_sweep_is_what_rays_say(seed, bent, tmp_path):
     ids=["straight", "bent"],
 )
 def test_many_random_scenes(seeds, tolerance, bent, median, worst, say, tmp_path):
-    all_judged = judge_many(seeds, tmp_path, say, tolerance, bent=bent)
+    all_judged = []
+    for seed in seeds:
+        all_judged.append(judge(seed, tmp_path, tolerance, bent=bent))
+        say(all_judged[-1].line())
     errors = np.array([judged.errors.beyond for judged in all_judged])
     edges = np.concatenate([judged.edges for judged in all_judged])
+    say(
+        f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
+        f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
+    )
     assert np.median(errors) < median
     assert errors.max() < worst
     assert (edges <= 1).mean() > 0.99
