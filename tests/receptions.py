@@ -14,9 +14,9 @@ from insonify.scene import Scene, edit, load_scene
 RAYLEIGH = math.sqrt(4.0 / math.pi - 1.0)  # variation of Rayleigh amplitudes
 
 
-def scene_with(**changes: Any) -> Scene:
-    """The default scene with changes: two underscores in a name stand for a dot."""
-    return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
+def scene_with(name: str = "default", /, **changes: Any) -> Scene:
+    """A bundled scene with changes: two underscores in a name stand for a dot."""
+    return edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()})
 
 
 def reception(
