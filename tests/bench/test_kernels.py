@@ -5,7 +5,6 @@ the optional extra `embree`. Times are those of the thread itself, so that what 
 """
 
 import math
-from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from time import thread_time
@@ -16,12 +15,10 @@ import pytest
 from floor import floor_call
 from insonify.accuracy.charts.embree import TriangulatedScene
 from insonify.accuracy.timing import time_calls
-from insonify.kernels.common.types import no_surface_multipath
 from insonify.kernels.rays.cell_walk import empty_bundle
 from insonify.kernels.rays.launch import aim_rays, empty_launch, orient_beam, rotate_to_world
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify.statistics.record_errors import compare_records
 from insonify.tracers import sweep
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 
@@ -35,7 +32,6 @@ PINGS, SOME = np.arange(512), np.arange(40, 480, 40)
 ROUNDS = 15
 FLOORS = 8  # runs of the floor in a call: a single one takes 0.2 ms, and its time varies by a third
 THREADS = 2
-SPREAD, JUDGES = np.arange(3, 512, 6), 128  # pings over the track; planes by which fewer are judged
 
 
 def embree_call(simulation, pings):
@@ -66,19 +62,8 @@ def trace_call(simulation, pings=PINGS, **settings):
     return partial(sweep.trace, simulation.reduced, poses, **settings)
 
 
-def without_paths(simulation):
-    """Return a simulation by the same model, less the paths by the sea surface."""
-    return replace(simulation, reduced=simulation.reduced._replace(multipath=no_surface_multipath()))
-
-
 def planes_of(simulation, planes):
     return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0][1].azimuth.size
-
-
-def crossing(simulation, position, width):
-    """Pings whose beam's middle lies within a length of a position along the track."""
-    pings = np.arange(simulation.scene.track.pings)
-    return pings[np.abs(simulation.poses(pings).x - position) < width]
 
 
 def cases():
@@ -101,17 +86,6 @@ def cases():
     alike = min(range(2, 64), key=lambda n: abs(planes_of(fan, n) - laid))
     calls["fan of as many planes"] = trace_call(fan, planes=alike), PINGS.size
     pairs.append(("array, two-way", "fan of as many planes", laid / planes_of(fan, alike), "1.5"))
-    for name, scene in (("fan", edit(DEFAULT, BARE)), ("ghosts", load_scene("ghosts"))):
-        below = prepare(edit(scene, {"water.surface": "flat"}))
-        calls[f"{name} by the surface"] = trace_call(below, SOME, planes=PLANES), SOME.size
-        calls[f"{name} without"] = trace_call(without_paths(below), SOME, planes=PLANES), SOME.size
-        pairs.append((f"{name} by the surface", f"{name} without", 1.0, "3"))
-    wreck = edit(load_scene("rough-ground"), {"sonar.beam": ARRAY, "sonar.vertical": {"kind": "uniform"}})
-    below = prepare(wreck, tolerance=0.2)
-    pings = crossing(below, 20.0, 3.0)[::4]
-    for name, simulation in (("ghosts of a mesh", below), ("the mesh without", without_paths(below))):
-        calls[f"{name}, array"] = trace_call(simulation, pings, planes=PLANES), pings.size
-    pairs.append(("ghosts of a mesh, array", "the mesh without, array", 1.0, "3"))
     return calls, pairs
 
 
@@ -144,12 +118,3 @@ def test_the_default_fan_as_planned(say):
         f"± {100 * timing.spread:.0f} % (at most 25), {timings[1].median / timing.median:.2f} × as fast as one "
         "(at least 1.8)",
     )
-    for where, pings in (("spread over the track", SPREAD), ("across its targets", across_targets(simulation))):
-        coarse, fine = (trace_call(simulation, pings, planes=n)() for n in (planes, JUDGES))
-        error = compare_records(simulation.reduced, simulation.poses(pings), coarse, fine).beyond
-        say(f"default fan, {pings.size} pings {where}: {100 * error:.2f} % from {JUDGES} planes (at most 3)")
-
-
-def across_targets(simulation):
-    """Pings whose beam's middle lies within a metre of a target along the track."""
-    return np.unique(np.concatenate([crossing(simulation, one.position[0], 1.0) for one in simulation.scene.targets]))
