@@ -18,14 +18,8 @@ Draw = Callable[[st.SearchStrategy[Any]], Any]
 CELLS = (3, 200)  # of a period, and likewise of a range
 MOST_RAYS_ON = 3  # bounces; every one may split a ray
 DENSEST = 40.0  # scatterers per m²
-FILES = {
-    "dem",
-    "image",
-    "backscatter",
-    "recorded",
-    "cast",
-    "file",
-}  # kinds that are read from files, which a drawn scene has none of
+# Kinds that are read from files, which a drawn scene has none of.
+FILES = {"dem", "image", "backscatter", "recorded", "cast", "file"}
 # One in so many numbers comes from the whole of its bounds, the others from where its slider moves.
 RARELY = 12
 
