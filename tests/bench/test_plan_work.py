@@ -107,7 +107,7 @@ def test_surface_paths(say):
         facets = pack(below).arrays.multipath.facets.shape[1]
         constant = sweep.SURFACE_PATH + (sweep.FACET * facets if facets > 1 else 0.0)
         tell(say, f"a path by the surface, {name}", constant, ratio)
-        say(f"{'':40s} × {1.0 + len(PATHS) * ratio:.2f} with all three (at most 3)")
+        say(f"{'':40s} × {1.0 + len(PATHS) * ratio:.2f} with all three (at most 3 over a calm sea)")
 
 
 def test_single_rays(say):
