@@ -129,25 +129,22 @@ def bodies_of(arrays: SceneArrays) -> list[Meeting]:
 
 
 def target_record(
+    arrays: SceneArrays,
     meet: Meeting,
-    material: Material,
-    *,
     height: float,
-    half_width: float,
-    bins: int,
-    bin_length: float,
     elevations: tuple[float, float],
     across: int = 1500,
     up: int = 3000,
 ) -> Array:
-    """Energy per bin of the port side of a level sonar at (0, 0, height) heading along x, law `sonar`.
+    """Energy per bin of a scene's target on the port side of a level sonar at (0, 0, height) heading along x.
 
     A knife (half width 0) has ``across`` times ``up`` rays of one plane, so that both beams are as well resolved.
     """
+    half_width, material = arrays.half_width, tuple(arrays.reflectivity[0])
     steps = across * up if half_width == 0.0 else up
     edges = np.linspace(*elevations, steps + 1)
     middles, step = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
-    record, origin = np.zeros(bins), np.array([0.0, 0.0, height])
+    record, origin = np.zeros(arrays.bins), np.array([0.0, 0.0, height])
     for theta in np.array_split(middles, max(steps // 64 if half_width > 0.0 else steps // 100_000, 1)):
         theta = theta[:, None]
         cone = np.arcsin(np.sin(half_width) / np.cos(theta))
@@ -160,7 +157,7 @@ def target_record(
         if half_width > 0.0:
             area = area * distance * level * 2.0 * cone / across
         energy = (strength(cosine, material) * area)[met]
-        record += np.bincount((distance[met] / bin_length).astype(int), energy, bins)[:bins]
+        record += np.bincount((distance[met] / arrays.bin_length).astype(int), energy, arrays.bins)[: arrays.bins]
     return record
 
 
