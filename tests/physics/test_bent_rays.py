@@ -216,9 +216,7 @@ def test_sound_goes_back_the_way_it_came():
     arrays = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
     ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
     outside = np.array(start) + 0.051 * ways
-    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
-    hits, arrivals = empty_hits(30), empty_arrivals(30)
-    find_refracted_hits(arrays, bundle, 300.0, 0.0, hits, arrivals)
+    hits, arrivals = land(arrays, outside.T, ways, 300.0)
     assert (hits.body == BED).all()
     way = np.column_stack([arrivals.dx, arrivals.dy, arrivals.dz])
     x = arrivals.spread * np.hypot(ways[:, 0], ways[:, 1])

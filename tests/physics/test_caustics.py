@@ -113,6 +113,8 @@ def test_a_gradient_above_even_water_sends_a_caustic_back_to_the_sources_depth()
     np.testing.assert_allclose(found.angle, [angle])
     rays = insonify.eigenrays(water, 25.0, float(found.range[0]) + 1e-3, 25.0)
     assert abs(rays.time - float(found.time[0])).min() < 1e-6
+    # On it spreading is endless, and no error.
+    assert (insonify.eigenrays(water, 25.0, 4.0 * math.sqrt(h * 1500.0 / g) + 1e-9, 25.0).intensity > 0.0).all()
 
 
 def test_many_caustics_are_all_found():

@@ -192,8 +192,3 @@ def test_bed_hidden_by_bed_is_no_shadow_of_a_target():
     assert not found.shadow.any()
     dark = np.s_[0, 0, int(math.hypot(8.0, 6.0) / 0.05) : int(math.hypot(21.0, 6.0) / 0.05)]
     assert (found.target_id[dark] == -2).all()
-
-
-def test_mute_bed_has_no_shadow():
-    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[BALL], reflectivity=[(0.0, 0.0, 1.0)])
-    assert not trace_labels(arrays, poses_of(0.0, 0.0, ALTITUDE)).shadow.any()
