@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,13 +26,17 @@ def norm(vectors: Array) -> Array:
     return np.sqrt(dot(vectors, vectors))
 
 
-def strength(cosine: Array, material: Material, law: int = SONAR) -> Array:
-    """Backscattering strength or radiance from the cosine of the incidence."""
-    diffuse, specular, shininess = material
-    lobe = np.clip(2.0 * cosine * cosine - 1.0, 0.0, None) ** shininess
+def strength(cosine: Array, material: Material, law: int = SONAR, *, other: Any = None, towards: Any = 1.0) -> Array:
+    """Backscattering strength or radiance from the cosine of the incidence.
+
+    Between two directions: from both cosines and that of the angle between them, in the mean of both orders.
+    """
+    diffuse, specular, shininess = material[:3]
+    other = cosine if other is None else other
+    lobe = specular * np.clip(2.0 * cosine * other - towards, 0.0, None) ** shininess
     if law == LIGHT:
-        return diffuse * cosine + specular * lobe
-    return cosine * cosine * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * lobe)
+        return 0.5 * diffuse * (cosine + other) + lobe
+    return cosine * other / np.pi * (diffuse + 0.5 * (shininess + 2.0) * lobe)
 
 
 def sphere(centre: ArrayLike, radius: float) -> Meeting:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of
+from brute_force import strength
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.packed_scene import pack
@@ -37,15 +38,14 @@ def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, mat
     r = (np.arange(bins * samples) + 0.5) * bin_length / samples
     heard = r > altitude
     cos_incidence = np.where(heard, altitude / r, 0.0)
-    lobe = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** material.shininess
+    density = strength(cos_incidence, material, law)
     if law == LIGHT:
-        density = (material.diffuse * cos_incidence + material.specular * lobe) / bin_length
+        density /= bin_length
     else:
-        mirror = material.specular * (material.shininess + 2.0) / (2.0 * math.pi) * lobe
         cos_grazing = np.sqrt(1.0 - cos_incidence**2)
         azimuths = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cos_grazing, 1.0))
         width = azimuths * r if half_width > 0.0 else 1.0 / cos_grazing
-        density = cos_incidence**2 * (material.diffuse / math.pi + mirror) * width * r**-decay
+        density *= width * r**-decay
     return np.where(heard, density, 0.0).reshape(bins, samples).sum(axis=1) * bin_length / samples
 
 
