@@ -39,6 +39,13 @@ def small(tmp_path_factory):
     return folder / "set"
 
 
+def first_job(one, folder):
+    """Do the first job of a set; return its folder."""
+    work = DatasetWork(one, BASE, folder / "set")
+    finish(work, work.names()[0])
+    return work.folder
+
+
 def metadata(folder):
     return [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
 
@@ -226,9 +233,7 @@ def test_shards_hold_what_the_folders_hold(small, tmp_path, kind):
 
 def test_an_archive_is_as_webdataset_reads_it(tmp_path):
     one = data_set(storage={"kind": "webdataset", "scenes": 2})
-    work = DatasetWork(one, BASE, tmp_path / "set")
-    finish(work, work.names()[0])
-    (path,) = (tmp_path / "set").rglob("*.tar")
+    (path,) = first_job(one, tmp_path).rglob("*.tar")
     with tarfile.open(path) as archive:
         members = [entry.name for entry in archive]
         told = json.load(archive.extractfile(next(name for name in members if name.endswith(".json"))))
@@ -241,9 +246,7 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
 
 def test_a_zarr_store_is_read_by_zarr(tmp_path):
     one = data_set(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
-    work = DatasetWork(one, BASE, tmp_path / "set")
-    finish(work, work.names()[0])
-    (path,) = (tmp_path / "set").rglob("*.zarr")
+    (path,) = first_job(one, tmp_path).rglob("*.zarr")
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16

@@ -31,7 +31,6 @@ def store():
 
 
 def objects(store, prefix):
-    """Hash of every object, by its key below a prefix."""
     return {path.removeprefix(f"{prefix}/"): hashlib.sha256(store.cat(path)).hexdigest() for path in store.find(prefix)}
 
 
