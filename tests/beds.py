@@ -95,7 +95,6 @@ def box_corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
 
 
 def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) -> Mesh:
-    """Mesh of a box along the axes."""
     return mesh_of(box_corners(low, high), BOX_FACES, target=target)
 
 

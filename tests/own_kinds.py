@@ -20,7 +20,6 @@ AROUND, ACROSS = 96, 32
 
 @contextmanager
 def own_kinds() -> Iterator[None]:
-    """Know the kinds within the block."""
     shapes, maps = forgetting(TARGETS, "dumbbell", "hoop"), forgetting(MATERIAL_MAPS, "halves")
     with shapes, maps, added_materials(OWN_MATERIALS):
         _declare()

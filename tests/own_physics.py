@@ -32,7 +32,6 @@ FAMILIES = {
 
 @contextmanager
 def own_physics() -> Iterator[None]:
-    """Know the kinds within the block."""
     with ExitStack() as stack:
         for family, kinds in FAMILIES.items():
             stack.enter_context(forgetting(family, *kinds))

@@ -29,13 +29,11 @@ def reception(
     spreading: bool = False,
     **changes: Any,
 ) -> Reception:
-    """Receiver of the default scene with changes."""
     arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=bin_length, half_width=half_width, spreading=spreading)
     return assemble(ReceiverSetup(scene_with(**changes), arrays, altitude, depth))
 
 
 def decibels(ratio: Any) -> Any:
-    """Ten times the decimal logarithm."""
     return 10.0 * np.log10(ratio)
 
 

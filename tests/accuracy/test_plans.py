@@ -90,7 +90,6 @@ class Verdict:
 
 
 def judge(kind: str, seed: int, folder: Path, *, timed: bool = False) -> Verdict:
-    """Plan a scene and compare its pings with a reference."""
     draw_scene, stream, trace_reference = KINDS[kind]
     scene, *pings = draw_scene(seed, folder)
     if scene.water.surface.kind != "none":

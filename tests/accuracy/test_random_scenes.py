@@ -57,7 +57,6 @@ class Judged:
 
 
 def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> Judged:
-    """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
     scene, pings = dense_scene(seed, folder, bent=bent)
     simulation = prepare(scene, method="rays", forced={"bending": "on" if bent else "off"})
     assert simulation.arrays.water.bent == bent

@@ -68,7 +68,6 @@ class Bench:
         return [word.format(input=self.input, valid=self.valid, out=self.out) for word in template]
 
     def mutate(self, seed: int) -> list[str]:
-        """Write the mutated file of a seed; returns the words of the command."""
         rng = np.random.default_rng([seed, *self.name.encode()])
         with contextlib.suppress(RecursionError):
             self.file.write_bytes(self.sample.mutate(self.content, rng))

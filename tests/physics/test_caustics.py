@@ -150,7 +150,6 @@ RATIOS, WEIGHTS = np.exp(OCTAVE * NODES), WEIGHTS / WEIGHTS.sum()  # of the freq
 
 
 def averaged(intensity, frequency):
-    """Intensity averaged over the octave that the program averages."""
     return sum(weight * intensity(frequency * ratio) for ratio, weight in zip(RATIOS, WEIGHTS))
 
 

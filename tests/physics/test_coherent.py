@@ -47,12 +47,10 @@ def record(arrays, poses, *, planes=8, **settings):
 
 
 def mean_record(arrays, poses, pulse=TONE, planes=64):
-    """What the sweep and the pulse make of the same scene."""
     return lengthened(sweep.trace(arrays, poses, planes=planes), pulse, arrays)
 
 
 def lengthened(traced, pulse, arrays):
-    """Let a pulse lengthen every echo."""
     taps = pulse_taps(pulse, SPEED, arrays.bin_length)
     out = np.zeros_like(traced)
     convolve_pulse(traced, taps.weights.astype(np.float32), taps.before, out)

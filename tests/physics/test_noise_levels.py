@@ -28,7 +28,6 @@ def level_bed(**changes):
 
 
 def noise_of(**changes):
-    """Level of the noise in the record, in dB."""
     return decibels(prepare(level_bed(**changes)).reception.find(Noise).level)
 
 

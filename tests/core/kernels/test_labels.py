@@ -19,7 +19,6 @@ NARROW = math.radians(0.5)
 
 
 def both(arrays, poses, planes=4):
-    """Record and truth by as many planes."""
     return sweep.trace(arrays, poses, planes=planes), trace_labels(arrays, poses, planes=planes)
 
 

@@ -29,7 +29,6 @@ PLUG = ((3.0, -2.0, 5.0), (5.0, 1.0, 6.5), 0.4, 1.7)
 
 @kernel
 def meet_all(solids, k, origins, directions, leaving, out):
-    """Distance and normal of every ray."""
     for n in range(origins.shape[0]):
         x, y, z = origins[n]
         dx, dy, dz = directions[n]
