@@ -6,8 +6,6 @@ Run with `pytest -m bench -s tests/bench/test_start.py`.
 import os
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
 from statistics import median
 from time import monotonic
 
@@ -26,7 +24,7 @@ print(time.monotonic())
 """
 
 
-def test_from_the_command_to_the_first_ping(say: Callable[[str], None]) -> None:
+def test_from_the_command_to_the_first_ping(say):
     pinged, ended = [], []
     for _ in range(8):
         start = monotonic()
@@ -54,7 +52,7 @@ print(sum(entry.is_start for _, entry in compiled.buffer), time.process_time() -
 """
 
 
-def test_first_record_from_an_empty_cache(tmp_path: Path, say: Callable[[str], None]) -> None:
+def test_first_record_from_an_empty_cache(tmp_path, say):
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     environment |= {"XDG_CACHE_HOME": str(tmp_path), "PICTURE": str(tmp_path / "first.png")}
     start = monotonic()

@@ -1,8 +1,5 @@
 """Lessons: reading, the check of each, the command, their figures; and conditions, of which nothing runs as code."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -47,7 +44,7 @@ Answer: Because.
 """
 
 
-def test_the_parts_of_a_lesson_and_the_states_that_follow_its_moves() -> None:
+def test_the_parts_of_a_lesson_and_the_states_that_follow_its_moves():
     lesson = parse_lesson(LESSON, "width")
     assert (lesson.name, lesson.title, lesson.scene, lesson.order) == ("width", "Width", "figure-4a", 5)
     assert lesson.set == {"track.altitude": 8.0}
@@ -107,9 +104,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("told", FAULTS)
-def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(
-    told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(told, tmp_path, capsys):
     old, new = FAULTS[told]
     assert old in LESSON
     file = tmp_path / "width.md"
@@ -120,7 +115,7 @@ def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(
     assert "; " in complaint
 
 
-def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_is_checked(tmp_path, capsys):
     file = tmp_path / "width.md"
     file.write_text(LESSON, encoding="utf-8")
     assert main(["lesson", "check", str(file)]) in (None, 0)
@@ -131,11 +126,11 @@ def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.parametrize("name", bundled_lessons())
-def test_every_bundled_lesson_can_be_done(name: str) -> None:
+def test_every_bundled_lesson_can_be_done(name):
     check_lesson(load_lesson(name))
 
 
-def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lessons_are_listed_in_their_order(capsys):
     lessons = load_lessons()
     assert [lesson.order for lesson in lessons] == sorted({lesson.order for lesson in lessons}), (
         "each has its own place"
@@ -144,7 +139,7 @@ def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == [lesson.name for lesson in lessons]
 
 
-def test_every_bundled_lesson_belongs_to_a_course_and_takes_some_minutes() -> None:
+def test_every_bundled_lesson_belongs_to_a_course_and_takes_some_minutes():
     groups = group_lessons(load_lessons())
     assert [course.name for course, _ in groups] == [course.name for course in load_courses()]
     assert [lesson for _, lessons in groups for lesson in lessons] == list(load_lessons()), "by course and by place"
@@ -173,7 +168,7 @@ def shadow_of_block(scene: Scene) -> tuple[float, float]:
     return float(edges[starts[longest]]), float(edges[ends[longest]])
 
 
-def test_the_height_of_the_block_follows_from_its_shadow() -> None:
+def test_the_height_of_the_block_follows_from_its_shadow():
     """h = A L / (R + L) holds on the record of every step with the block to the size of two bins."""
     lesson = load_lesson("target-height")
     _, first, _ = next(states_of(lesson))
@@ -238,7 +233,7 @@ VALUES = {
         ("two_way + 1 > 0", False),
     ],
 )
-def test_conditions_mean_what_they_say(text: str, expected: bool) -> None:
+def test_conditions_mean_what_they_say(text, expected):
     assert parse_condition(text).holds(VALUES.get) is expected
 
 
@@ -260,7 +255,7 @@ def doubled(name: str, arguments: tuple[float, ...]) -> float | None:
         ("sonar.range / 0", None),
     ],
 )
-def test_expressions_call_quantities_and_read_values_before_the_move(text: str, expected: float | None) -> None:
+def test_expressions_call_quantities_and_read_values_before_the_move(text, expected):
     before = Reader({"sonar.range": 20.0}.get)
     assert parse_expression(text).number(Reader(VALUES.get, doubled, before)) == expected
     assert parse_condition(f"{text} == 1 or 1 == 1").holds(Reader(VALUES.get, doubled, before)) is (
@@ -268,7 +263,7 @@ def test_expressions_call_quantities_and_read_values_before_the_move(text: str, 
     )
 
 
-def test_the_fields_are_told_once_each() -> None:
+def test_the_fields_are_told_once_each():
     condition = parse_condition("sonar.range > 1 and (sonar.bins < 3 or sonar.range < true)")
     assert condition.fields == ("sonar.range", "sonar.bins")
 
@@ -307,7 +302,7 @@ FAULTY_CONDITIONS = [
     [(parse_expression, *each) for each in FAULTY_EXPRESSIONS]
     + [(parse_condition, *each) for each in FAULTY_CONDITIONS],
 )
-def test_a_fault_is_one_sentence(parse: Callable[[str], object], text: str, told: str) -> None:
+def test_a_fault_is_one_sentence(parse, text, told):
     with pytest.raises(SceneError, match="condition") as caught:
         parse(text)
     assert told in str(caught.value)
@@ -315,7 +310,7 @@ def test_a_fault_is_one_sentence(parse: Callable[[str], object], text: str, told
 
 
 @given(st.text(alphabet="ab.1 0()<>=!+-*/'\"andortu_e", max_size=60))
-def test_any_text_is_a_condition_or_a_fault(text: str) -> None:
+def test_any_text_is_a_condition_or_a_fault(text):
     try:
         condition = parse_condition(text)
     except SceneError:

@@ -3,7 +3,6 @@
 import math
 from datetime import datetime, timedelta
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -86,13 +85,13 @@ def block(altitude: float) -> LessonState:
         (None, Grade.UNKNOWN, "It is 14.1 m."),
     ],
 )
-def test_a_number_is_right_close_or_a_known_mistake(answer: float | None, grade: Grade, told: str) -> None:
+def test_a_number_is_right_close_or_a_known_mistake(answer, grade, told):
     verdict = judge(Ask.model_validate(NUMBER), answer, block(5.0).reader(block(10.0)))
     assert verdict.grade is grade
     assert told in verdict.words
 
 
-def test_a_number_follows_the_scene_of_the_student() -> None:
+def test_a_number_follows_the_scene_of_the_student():
     ask = Ask.model_validate(NUMBER)
     for altitude in (4.0, 5.0, 8.0):
         length = math.hypot(21.0, altitude - 2.0) * 2.0 / (altitude - 2.0)
@@ -101,7 +100,7 @@ def test_a_number_follows_the_scene_of_the_student() -> None:
     assert judge(ask, 1.0, LessonState(load_scene("pipe-on-bed")).reader()) is None, "a pipe has no size"
 
 
-def test_a_wrong_choice_tells_its_misconception() -> None:
+def test_a_wrong_choice_tells_its_misconception():
     ask = Ask.model_validate({"choices": CHOICES})
     reader = block(5.0).reader()
     verdicts = [judge(ask, answer, reader) for answer in (0, 1, None)]
@@ -116,7 +115,7 @@ def test_a_wrong_choice_tells_its_misconception() -> None:
     ("text", "number"),
     [("14", 14.0), (" 14,1 m", 14.1), ("−3.5e-1", -0.35), (".5", 0.5), ("about 3", None), ("", None), ("-", None)],
 )
-def test_a_number_is_read_with_point_comma_and_unit(text: str, number: float | None) -> None:
+def test_a_number_is_read_with_point_comma_and_unit(text, number):
     assert read_number(text) == number
 
 
@@ -135,13 +134,13 @@ def test_a_number_is_read_with_point_comma_and_unit(text: str, number: float | N
         ({"value": "1", "holds": "1"}, "contains no comparison"),
     ],
 )
-def test_a_fault_of_a_question_names_the_remedy(given: dict[str, Any], told: str) -> None:
+def test_a_fault_of_a_question_names_the_remedy(given, told):
     with pytest.raises(ValueError, match=r".") as caught:
         Ask.model_validate(given)
     assert told in str(caught.value)
 
 
-def test_quantities_agree_with_what_is_written_of_them() -> None:
+def test_quantities_agree_with_what_is_written_of_them():
     scene = edit(
         load_scene("default"),
         {"sonar.beam": {"kind": "array", "length": 0.2}, "water.sound_speed": 1500.0, "sonar.frequency": 100e3},
@@ -180,7 +179,7 @@ def test_quantities_agree_with_what_is_written_of_them() -> None:
         assert QUANTITIES[name].compute(scene, *arguments) == pytest.approx(value), name
 
 
-def test_quantities_are_measured_in_a_record() -> None:
+def test_quantities_are_measured_in_a_record():
     scene = edit(load_scene("default"), {"sonar.bins": 50, "sonar.range": 50.0})
     intensity = np.full((2, 4, 50), 1e-6)
     intensity[..., :10] = intensity[..., 45:] = 0.0
@@ -197,7 +196,7 @@ def test_quantities_are_measured_in_a_record() -> None:
         assert QUANTITIES[name].measure(scene, record, *arguments) == pytest.approx(value, abs=1e-9), name
 
 
-def test_a_question_is_checked_against_simulated_records() -> None:
+def test_a_question_is_checked_against_simulated_records():
     lesson = parse_lesson(ASKING, "height")
     assert lesson.steps[0].ask.mistakes[0].because == "The sound comes in flatter."
     check_lesson(lesson)
@@ -215,9 +214,7 @@ def test_a_question_is_checked_against_simulated_records() -> None:
         ("[ask]", "[ask]\nchoice = 1", "ask.choice: unknown key"),
     ],
 )
-def test_a_question_that_the_scene_contradicts_is_found(
-    old: str, new: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_question_that_the_scene_contradicts_is_found(old, new, told, tmp_path, capsys):
     assert old in ASKING
     file = tmp_path / "height.md"
     file.write_text(ASKING.replace(old, new, 1), encoding="utf-8", newline="")
@@ -227,17 +224,17 @@ def test_a_question_that_the_scene_contradicts_is_found(
 
 
 @pytest.mark.parametrize("name", bundled_lessons())
-def test_records_agree_with_every_bundled_question(name: str, request: pytest.FixtureRequest) -> None:
+def test_records_agree_with_every_bundled_question(name, request):
     if not name.startswith("breaks-"):  # which speak of plans
         request.getfixturevalue("fixed_model")
     check_records(load_lesson(name))
 
 
-def test_every_step_of_the_bundled_lessons_asks_first() -> None:
+def test_every_step_of_the_bundled_lessons_asks_first():
     assert all(step.ask is not None for lesson in load_lessons() for step in lesson.steps)
 
 
-def test_the_page_to_hand_in() -> None:
+def test_the_page_to_hand_in():
     lesson = parse_lesson(ASKING, "height")
     began = datetime(2026, 3, 1, 9, 30)
     sheet = Worksheet(lesson, began, ended=began + timedelta(minutes=7))
@@ -259,7 +256,7 @@ def test_the_page_to_hand_in() -> None:
     assert sheet.results() == ["Lower the sonar: wrong"]
 
 
-def test_a_lesson_without_questions_in_advance_still_loads() -> None:
+def test_a_lesson_without_questions_in_advance_still_loads():
     text = ASKING[: ASKING.index("[ask]")] + ASKING[ASKING.index("```\n\nLook") :]
     lesson = parse_lesson(text, "height")
     assert lesson.steps[0].ask is None
