@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from insonify.kernels.common.range_bins import mean_over_centre
 from insonify.kernels.common.types import (
-    EVERY_GRAZING,
     FRUSTUM,
     NO_DECAY,
     SONAR,
@@ -96,7 +95,6 @@ def box_corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
 
 
 def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) -> Mesh:
-    """Mesh of a box along the axes."""
     return mesh_of(box_corners(low, high), BOX_FACES, target=target)
 
 
@@ -129,56 +127,33 @@ def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0,
     return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
 
 
-def tabulated_pattern(
-    extent: ArrayLike,
-    energy: ArrayLike,
-    *,
-    centre: float = 0.0,
-    first_range: float = 1.0,
-    per_octave: float = 1.0,
-    vertical: int = EVERY_GRAZING,
-    tilt: float = 0.0,
-    s_vertical: float = 1.0,
-    two_way: bool = True,
-) -> BeamPattern:
+def tabulated_pattern(extent: ArrayLike, energy: ArrayLike, **fields: Any) -> BeamPattern:
     """Beam of energies (rows, columns), a row per range, at sines evenly spaced within an extent about its centre."""
     extent, energy = np.atleast_1d(np.asarray(extent, float)), np.atleast_2d(np.asarray(energy, float))
     steps = (energy[:, 1:] + energy[:, :-1]) * (extent[:, None] / (energy.shape[1] - 1))
-    return BeamPattern(
-        tabulated=True,
-        centre=centre,
-        extent=extent,
-        energy=energy,
-        integral=np.concatenate([np.zeros((len(extent), 1)), np.cumsum(steps, axis=1)], axis=1),
-        first_range=first_range,
-        per_octave=per_octave,
-        vertical=vertical,
-        tilt=tilt,
-        s_vertical=s_vertical,
-        two_way=two_way,
-    )
+    integral = np.concatenate([np.zeros((len(extent), 1)), np.cumsum(steps, axis=1)], axis=1)
+    return plain_pattern()._replace(tabulated=True, extent=extent, energy=energy, integral=integral, **fields)
 
 
 def gaussian_pattern(
     width: float,
     *,
     squint: float = 0.0,
-    vertical: int = EVERY_GRAZING,
-    tilt: float = 0.0,
     vertical_width: float = 0.5,
     two_way: bool = True,
     near_width: float | None = None,
+    **vertically: Any,
 ) -> BeamPattern:
     """Gaussian beam of a one-way -3 dB width in radians; ``near_width`` is its width at 5 m and nearer."""
     widths = [width] if near_width is None else [near_width, 0.5 * (near_width + width), width]
     sines = np.sin(0.5 * np.array(widths))
     energy = 2.0 ** (-(2.0 if two_way else 1.0) * (4.0 * np.linspace(-1.0, 1.0, 401)) ** 2)
-    vertically = {"vertical": vertical, "tilt": tilt, "s_vertical": float(np.sin(0.5 * vertical_width))}
     return tabulated_pattern(
         4.0 * sines,
         np.tile(energy, (len(sines), 1)),
         centre=float(np.sin(squint)),
         first_range=5.0,
+        s_vertical=float(np.sin(0.5 * vertical_width)),
         two_way=two_way,
         **vertically,
     )
@@ -188,9 +163,6 @@ def arrays_of(
     heights: ArrayLike,
     spacing: float = 1.0,
     *,
-    x0: float = 0.0,
-    y0: float = 0.0,
-    periodic: bool = False,
     solids: Sequence[Sphere | Cylinder | Frustum] = (),
     mesh: Mesh | None = None,
     law: int = SONAR,
@@ -200,12 +172,13 @@ def arrays_of(
     bin_length: float = 0.05,
     reflectivity: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 1.0),),
     spreading: bool = False,
+    **bed: Any,
 ) -> SceneArrays:
     """Scene over (ny, nx) heights; everything is of the first material, and the range factor 1 unless spreading."""
     centres = (np.arange(bins) + 0.5) * bin_length
     decay = RangeDecay(4.0, 0.0) if spreading else NO_DECAY
     return SceneArrays(
-        bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
+        bed=bed_of(heights, spacing, **bed),
         solids=solids_of(solids),
         mesh=mesh or NO_MESH,
         reflectivity=np.array(reflectivity, dtype=np.float64),

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,13 +26,17 @@ def norm(vectors: Array) -> Array:
     return np.sqrt(dot(vectors, vectors))
 
 
-def strength(cosine: Array, material: Material, law: int = SONAR) -> Array:
-    """Backscattering strength or radiance from the cosine of the incidence."""
-    diffuse, specular, shininess = material
-    lobe = np.clip(2.0 * cosine * cosine - 1.0, 0.0, None) ** shininess
+def strength(cosine: Array, material: Material, law: int = SONAR, *, other: Any = None, towards: Any = 1.0) -> Array:
+    """Backscattering strength or radiance from the cosine of the incidence.
+
+    Between two directions: from both cosines and that of the angle between them, in the mean of both orders.
+    """
+    diffuse, specular, shininess = material[:3]
+    other = cosine if other is None else other
+    lobe = specular * np.clip(2.0 * cosine * other - towards, 0.0, None) ** shininess
     if law == LIGHT:
-        return diffuse * cosine + specular * lobe
-    return cosine * cosine * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * lobe)
+        return 0.5 * diffuse * (cosine + other) + lobe
+    return cosine * other / np.pi * (diffuse + 0.5 * (shininess + 2.0) * lobe)
 
 
 def sphere(centre: ArrayLike, radius: float) -> Meeting:
@@ -129,25 +134,22 @@ def bodies_of(arrays: SceneArrays) -> list[Meeting]:
 
 
 def target_record(
+    arrays: SceneArrays,
     meet: Meeting,
-    material: Material,
-    *,
     height: float,
-    half_width: float,
-    bins: int,
-    bin_length: float,
     elevations: tuple[float, float],
     across: int = 1500,
     up: int = 3000,
 ) -> Array:
-    """Energy per bin of the port side of a level sonar at (0, 0, height) heading along x, law `sonar`.
+    """Energy per bin of a scene's target on the port side of a level sonar at (0, 0, height) heading along x.
 
     A knife (half width 0) has ``across`` times ``up`` rays of one plane, so that both beams are as well resolved.
     """
+    half_width, material = arrays.half_width, tuple(arrays.reflectivity[0])
     steps = across * up if half_width == 0.0 else up
     edges = np.linspace(*elevations, steps + 1)
     middles, step = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
-    record, origin = np.zeros(bins), np.array([0.0, 0.0, height])
+    record, origin = np.zeros(arrays.bins), np.array([0.0, 0.0, height])
     for theta in np.array_split(middles, max(steps // 64 if half_width > 0.0 else steps // 100_000, 1)):
         theta = theta[:, None]
         cone = np.arcsin(np.sin(half_width) / np.cos(theta))
@@ -160,7 +162,7 @@ def target_record(
         if half_width > 0.0:
             area = area * distance * level * 2.0 * cone / across
         energy = (strength(cosine, material) * area)[met]
-        record += np.bincount((distance[met] / bin_length).astype(int), energy, bins)[:bins]
+        record += np.bincount((distance[met] / arrays.bin_length).astype(int), energy, arrays.bins)[: arrays.bins]
     return record
 
 

@@ -14,7 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Tests of 8 s of processor time and more. They begin first, so that none of them is the last that others wait for.
 LONG = (
-    "test_plans_keep_to_their_tolerances[first]",
+    "test_plans_keep_to_their_tolerances[wide]",
     "test_a_real_recording_is_learned",
     "test_any_mistake_is_one_sentence",
     "test_more_tolerance_never_means_more_work[5]",

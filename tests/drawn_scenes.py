@@ -18,14 +18,8 @@ Draw = Callable[[st.SearchStrategy[Any]], Any]
 CELLS = (3, 200)  # of a period, and likewise of a range
 MOST_RAYS_ON = 3  # bounces; every one may split a ray
 DENSEST = 40.0  # scatterers per m²
-FILES = {
-    "dem",
-    "image",
-    "backscatter",
-    "recorded",
-    "cast",
-    "file",
-}  # kinds that are read from files, which a drawn scene has none of
+# Kinds that are read from files, which a drawn scene has none of.
+FILES = {"dem", "image", "backscatter", "recorded", "cast", "file"}
 # One in so many numbers comes from the whole of its bounds, the others from where its slider moves.
 RARELY = 12
 
@@ -154,7 +148,6 @@ def _fit_sonar(sonar: dict[str, Any], receiver: dict[str, Any]) -> None:
 
 
 def _fit_tables(draw: Draw, vertical: dict[str, Any], receiver: dict[str, Any]) -> None:
-    """Let the places of gains and levels ascend."""
     holders = (receiver.get("tvg", {}), "gains"), (receiver.get("recorder", {}), "gain"), (vertical, "levels")
     for holder, key in holders:
         pairs = holder.get(key)
@@ -176,7 +169,6 @@ def declared(model: type[BaseModel]) -> st.SearchStrategy[dict[str, Any]]:
 
 
 def of_field(model: type[BaseModel], name: str, field: FieldInfo) -> st.SearchStrategy[Any]:
-    """Values of one field."""
     if name == "name":
         return st.sampled_from(sorted(MATERIALS))
     if name == "path":
@@ -258,7 +250,6 @@ def log_floats(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 def one_in(times: int) -> st.SearchStrategy[bool]:
-    """Rarely true."""
     return st.integers(1, times).map(lambda number: number == times)
 
 

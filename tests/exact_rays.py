@@ -12,16 +12,12 @@ from insonify.tracers import rays
 Trace = Callable[[SceneArrays, Poses, int], np.ndarray]
 
 
-def trace_single_rays(arrays: SceneArrays, poses: Poses, count: int) -> np.ndarray:
-    return rays.trace(arrays, poses, rays=count)
-
-
 def reference(
     arrays: SceneArrays,
     poses: Poses,
     *,
     tolerance: float,
-    trace: Trace = trace_single_rays,
+    trace: Trace = lambda arrays, poses, count: rays.trace(arrays, poses, rays=count),
     first: int = 1 << 15,
     most: int = 1 << 22,
     times: int = 2,

@@ -10,7 +10,6 @@ from insonify.simulation import Simulation
 
 @kernel
 def read_and_write(heights, reach, out):
-    """Read the heights abeam of every ping on both sides and write its bins."""
     rows, columns = heights.shape
     for ping in range(out.shape[0]):
         row = heights[ping % rows]

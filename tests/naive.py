@@ -59,18 +59,12 @@ def cast(arrays: SceneArrays, origin: Sequence[float], direction: Sequence[float
     """
     o, d = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
     d = d / np.linalg.norm(d)
-    felt, met = _feel(arrays, o, d, step), _first_triangle(arrays, o, d)
-    return felt if felt[0] <= met[0] else met
-
-
-def _first_triangle(arrays: SceneArrays, o: np.ndarray, d: np.ndarray) -> tuple[float, int]:
-    """Nearest of all triangles within reach: (distance, target)."""
-    distances = [triangle(corners)(o, d[None])[0][0] for corners in arrays.mesh.corners]
-    distances.append(arrays.bins * arrays.bin_length)
-    nearest = int(np.argmin(distances))
-    if nearest == len(arrays.mesh.corners):
-        return math.inf, NOTHING
-    return float(distances[nearest]), int(arrays.mesh.target[nearest])
+    found, reach = [_feel(arrays, o, d, step)], arrays.bins * arrays.bin_length
+    for corners, target in zip(arrays.mesh.corners, arrays.mesh.target):
+        distance = float(triangle(corners)(o, d[None])[0][0])
+        if distance < reach:
+            found.append((distance, int(target)))
+    return min(found, key=lambda hit: hit[0])
 
 
 def inside(arrays: SceneArrays, points: np.ndarray) -> np.ndarray:
@@ -224,7 +218,6 @@ def _share_of_beam(arrays: SceneArrays, s: dict[str, np.ndarray], azimuth: float
 
 
 def _deposit(arrays: SceneArrays, s: dict[str, np.ndarray], share: np.ndarray, wedge: float) -> np.ndarray:
-    """Sum samples into bins."""
     value = np.zeros_like(s["x"])
     for m, numbers in enumerate(arrays.reflectivity):
         value = np.where(s["material"] == m, strength(np.maximum(s["cos"], 0.0), tuple(numbers), arrays.law), value)

@@ -20,17 +20,14 @@ AROUND, ACROSS = 96, 32
 
 @contextmanager
 def own_kinds() -> Iterator[None]:
-    """Know the kinds within the block."""
     shapes, maps = forgetting(TARGETS, "dumbbell", "hoop"), forgetting(MATERIAL_MAPS, "halves")
     with shapes, maps, added_materials(OWN_MATERIALS):
-        declare_dumbbell()
-        declare_hoop()
-        declare_halves()
+        _declare()
         yield
 
 
-def declare_dumbbell() -> None:
-    """Declare a shape by its fields, balls and frustums alone."""
+def _declare() -> None:
+    """Declare shapes by fields and solids or triangles alone, and a map by fields and indices alone."""
 
     class Dumbbell(Body):
         """Two balls on a bar along x."""
@@ -43,10 +40,6 @@ def declare_dumbbell() -> None:
             end = np.array([0.5 * self.length, 0.0, 0.0])
             bar = frustum(-end, end, 0.5 * self.radius, 0.3 * self.radius)
             return Shape((ball(self.radius, -end), bar, ball(self.radius, end)))
-
-
-def declare_hoop() -> None:
-    """Declare a shape by its fields and triangles alone."""
 
     class Hoop(Posed):
         """A ring that lies flat."""
@@ -62,10 +55,6 @@ def declare_hoop() -> None:
             p = np.stack([level * np.cos(u), level * np.sin(u), height], axis=-1)
             a, b, c, d = p[:-1, :-1], p[:-1, 1:], p[1:, 1:], p[1:, :-1]
             return Shape(triangles=np.concatenate([np.stack([a, b, c], -2), np.stack([a, c, d], -2)]).reshape(-1, 3, 3))
-
-
-def declare_halves() -> None:
-    """Declare a map by its fields and indices alone."""
 
     class Halves(CompositeMap):
         """One material to port of a line along x, another to starboard."""

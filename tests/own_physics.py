@@ -32,18 +32,15 @@ FAMILIES = {
 
 @contextmanager
 def own_physics() -> Iterator[None]:
-    """Know the kinds within the block."""
     with ExitStack() as stack:
         for family, kinds in FAMILIES.items():
             stack.enter_context(forgetting(family, *kinds))
-        declare_reliefs()
-        declare_sonar()
-        declare_surroundings()
+        _declare()
         yield
 
 
-def declare_reliefs() -> None:
-    """Declare a random relief by its spectral density, and a bed by its heights."""
+def _declare() -> None:
+    """Declare each by its fields and its own law alone."""
 
     class BandRelief(ExtendableRelief):
         """Waves of about one length, in every direction."""
@@ -71,10 +68,6 @@ def declare_reliefs() -> None:
             ny, nx = shape or (round(40.0 / spacing), 4)
             y = np.arange(ny) * 40.0 / ny
             return HeightGrid(np.repeat(np.where(y > 20.0, self.height, 0.0)[:, None], nx, axis=1), 40.0 / ny)
-
-
-def declare_sonar() -> None:
-    """Declare a beam by its response and a pulse by its envelope."""
 
     class Parabola(BeamKind):
         """A beam whose sensitivity falls as a parabola."""
@@ -107,10 +100,6 @@ def declare_sonar() -> None:
 
         def envelope(self, time: np.ndarray) -> np.ndarray:
             return np.where((time >= 0.0) & (time < self.length), np.exp(-time / self.time), 0.0)
-
-
-def declare_surroundings() -> None:
-    """Declare an absorption by its coefficient, a water by its speeds, a motion and a speckle."""
 
     class Square(AbsorptionKind):
         """Absorption by the square of the frequency."""

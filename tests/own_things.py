@@ -24,7 +24,6 @@ def forgetting(family: Family, *kinds: str) -> Iterator[None]:
 
 @contextmanager
 def forgetting_tracers(*names: str) -> Iterator[None]:
-    """Forget tracers that are declared within the block."""
     try:
         yield
     finally:
@@ -34,7 +33,6 @@ def forgetting_tracers(*names: str) -> Iterator[None]:
 
 @contextmanager
 def added_format(registry: FormatRegistry[Any], extra: FileFormat[Any]) -> Iterator[None]:
-    """Know a format within the block."""
     formats = registry.formats()
     formats.append(extra)
     try:
@@ -45,7 +43,6 @@ def added_format(registry: FormatRegistry[Any], extra: FileFormat[Any]) -> Itera
 
 @contextmanager
 def added_materials(folder: Path) -> Iterator[None]:
-    """Know the materials of a folder within the block."""
     kept = dict(MATERIALS._materials())
     try:
         MATERIALS._kept.update(read_materials(folder))

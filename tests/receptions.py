@@ -14,9 +14,9 @@ from insonify.scene import Scene, edit, load_scene
 RAYLEIGH = math.sqrt(4.0 / math.pi - 1.0)  # variation of Rayleigh amplitudes
 
 
-def scene_with(**changes: Any) -> Scene:
-    """The default scene with changes: two underscores in a name stand for a dot."""
-    return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
+def scene_with(name: str = "default", /, **changes: Any) -> Scene:
+    """A bundled scene with changes: two underscores in a name stand for a dot."""
+    return edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()})
 
 
 def reception(
@@ -29,13 +29,11 @@ def reception(
     spreading: bool = False,
     **changes: Any,
 ) -> Reception:
-    """Receiver of the default scene with changes."""
     arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=bin_length, half_width=half_width, spreading=spreading)
     return assemble(ReceiverSetup(scene_with(**changes), arrays, altitude, depth))
 
 
 def decibels(ratio: Any) -> Any:
-    """Ten times the decimal logarithm."""
     return 10.0 * np.log10(ratio)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from beds import solids_of
-from brute_force import Material, Meeting, Response, dot, norm
+from brute_force import Material, Meeting, Response, dot, norm, strength
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.water.surfaces import WAYS, FlatSurface, RoughSurface
@@ -62,17 +62,13 @@ def naive_ghost(arrays: SceneArrays, x: float, y: float, z: float, way: str, sam
             r.append(np.hypot(s, bed - height))
             cosine.append((sign * gy * s - (bed - height)) / (r[-1] * normal))
         towards = (s**2 + (bed - one) * (bed - other)) / (r[0] * r[1])
-        mirrored = np.maximum(2.0 * cosine[0] * cosine[1] - towards, 0.0)
-        diffuse, specular, shininess = arrays.reflectivity[0]
+        value = strength(cosine[0], arrays.reflectivity[0], arrays.law, other=cosine[1], towards=towards)
         lit = seen & (cosine[0] > 0.0) & (cosine[1] > 0.0)
         where = 0.5 * (r[0] + r[1])
         if arrays.law == LIGHT:
-            shade = diffuse * 0.5 * (cosine[0] + cosine[1]) + specular * mirrored**shininess
-            energy = shade * np.abs(np.gradient(where)) / arrays.bin_length
+            energy = value * np.abs(np.gradient(where)) / arrays.bin_length
         else:
-            lobe = specular * (shininess + 2.0) / 2.0 * mirrored**shininess
-            sigma = cosine[0] * cosine[1] * (diffuse + lobe) / np.pi
-            energy = sigma * normal * step / (r[0] * r[1]) ** 2 * where**4
+            energy = value * normal * step / (r[0] * r[1]) ** 2 * where**4
         k = (where / arrays.bin_length).astype(int)
         lit &= k < arrays.bins
         out[side] = np.bincount(k[lit], (share * energy * range_factor(arrays, where))[lit], arrays.bins)
@@ -104,15 +100,6 @@ def naive_level_ghost(
     where = 0.5 * (np.hypot(edges, one) + np.hypot(edges, other))
     borders = np.arange(arrays.bins + 1) * arrays.bin_length
     return np.asarray(np.diff(np.interp(borders, where, up_to)))
-
-
-def _bistatic(law: int, one: np.ndarray, other: np.ndarray, towards: np.ndarray, material: Material) -> np.ndarray:
-    """Strength between two directions, of the mean of both orders."""
-    diffuse, specular, shininess = material
-    lobe = specular * np.clip(2.0 * one * other - towards, 0.0, None) ** shininess
-    if law == LIGHT:
-        return 0.5 * diffuse * (one + other) + lobe
-    return one * other / math.pi * (diffuse + 0.5 * (shininess + 2.0) * lobe)
 
 
 def _last_met(meets: Callable[[np.ndarray], np.ndarray], inside: float, outside: float) -> float:
@@ -167,7 +154,7 @@ def naive_target_ghost(
         first, cos_far = meet(higher, back)
         lit = (np.abs(first - far) < 1e-7 * far) & (np.abs(math.sin(azimuth)) * np.cos(angle) <= sine)
         towards, r = dot(way, back), 0.5 * (near + far)
-        value = _bistatic(arrays.law, cos_near, cos_far, towards, material)
+        value = strength(cos_near, material, arrays.law, other=cos_far, towards=towards)
         cone = 2.0 * np.arcsin(np.minimum(sine / np.cos(angle), 1.0))
         if arrays.law == LIGHT:
             beyond = norm(lower + ends[:, None] * directions(edges) - higher)

@@ -1,8 +1,10 @@
 """Small specifications of data sets and surveys, and comparisons of the folders that they make."""
 
 import hashlib
+import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,6 +12,7 @@ from insonify import cli
 from insonify.compiler.build import own_build
 from insonify.errors import SceneError
 from insonify.surveys import engine
+from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.schedulers import claim_build
 
 SET = """
@@ -63,6 +66,11 @@ spacing = 12.0
 "receiver.speckle" = "rayleigh"
 targets = [{ kind = "mesh", path = "drum", position = [10.0, 10.0], scale = 2.0 }]
 """
+
+
+def data_set(text: str = SET, **changes: Any) -> DatasetSpecification:
+    """Specification of a data set with some of its values changed."""
+    return DatasetSpecification.model_validate({**tomllib.loads(text), **changes})
 
 
 def write_set(folder: Path, text: str = SET, **changes: str) -> Path:

@@ -20,7 +20,6 @@ def layers(depths, speeds):
 
 
 def gradient(speed, per_metre, depth=1e5):
-    """Water of one gradient over depth."""
     return layers([0.0, depth], [speed, speed + per_metre * depth])
 
 
@@ -41,7 +40,6 @@ def downward(water, depth, degrees):
 
 
 def shot(water, depth, degrees, x_end=math.inf, bottom=math.inf, surface=NO_CEILING):
-    """Follow a ray to a range or a bottom."""
     return follow_to_range(*water, downward(water, depth, degrees), x_end, -bottom, surface)
 
 

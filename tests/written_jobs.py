@@ -15,8 +15,6 @@ from insonify.surveys.engine import digest_of, name_job
 
 @dataclass(frozen=True)
 class WrittenJobs:
-    """Jobs that write two files each."""
-
     folder: Path
     count: int
     kills: frozenset[int] = frozenset()  # jobs that end their first worker between their two files

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of, rough_arrays
+from beds import arrays_of, pipe_edges, poses_of, rough_arrays
 from exact_rays import order, reference
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
@@ -176,19 +176,13 @@ def test_in_metres_of_a_record():
 
 
 def test_the_shadow_of_a_span_from_a_sonar_at_another_height():
-    """A pipe of radius r at ground range X and gap g throws its shadow from H / sin(φ + α) to H / sin(φ − α)."""
-
-    def shadow(height):
-        drop = height - 1.5
-        phi, alpha = math.atan2(drop, 30.0), math.asin(0.5 / math.hypot(30.0, drop))
-        return height / math.sin(phi + alpha), height / math.sin(phi - alpha)
-
     pipe = [((-50.0, 30.0, 1.5), (50.0, 30.0, 1.5), 0.5)]
     arrays = arrays_of(np.zeros((8, 8)), 32.0, x0=-128.0, y0=-128.0, solids=pipe, bins=2000, bin_length=0.025)
     low, high = (ray_sheets.trace(arrays, poses_of(0.0, 0.0, z), rays=1 << 15)[:, :1] for z in (10.0, 10.4))
     curve = compute_flat_bed_curves(arrays, poses_of(0.0, 0.0, 10.0))
     a, b = (np.divide(each, curve, out=np.zeros_like(curve), where=curve > 0.0)[0, 0, 500:] for each in (high, low))
-    expected = [(one - other) / arrays.bin_length for one, other in zip(shadow(10.4), shadow(10.0))]
+    higher, lower = (pipe_edges(1.0, altitude=z)[2:] for z in (10.4, 10.0))
+    expected = np.subtract(higher, lower) / arrays.bin_length
     assert find_edge_shifts(a, b) == pytest.approx(expected, abs=0.35)  # of 25 mm
 
 

@@ -63,7 +63,6 @@ def exact_hits(arrays, bundle):
 
 
 def rays_towards(arrays, poses, target, wide, count=20_000):
-    """Rays from the first pose to random points about a target."""
     rng = np.random.default_rng(3)
     origin = np.array([poses.x[0], poses.y[0], poses.z[0]])
     ways = np.asarray(target) + rng.uniform(-wide, wide, (count, 3)) - origin

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from insonify.planning.choices.base import Case
 from insonify.planning.choices.fineness import OF_A_TARGET
 from insonify.planning.probe import trace_model, work_of
 from insonify.planning.selection import choose_model
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import SceneError, edit
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import make_poses
 from random_scenes import planned_scene, short_scene, wide_scene
@@ -88,39 +89,12 @@ class Verdict:
         )
 
 
-def judge_planned(seed: int, folder: Path, *, timed: bool = False) -> Verdict:
-    """Plan a scene and compare its pings with exact rays."""
-    scene, pings = planned_scene(seed, folder)
+def judge(kind: str, seed: int, folder: Path, *, timed: bool = False) -> Verdict:
+    draw_scene, stream, trace_reference = KINDS[kind]
+    scene, *pings = draw_scene(seed, folder)
     if scene.water.surface.kind != "none":
         scene = edit(scene, {"water.surface.surface_echo": False})
-    return judge(scene, [pings], draw_tolerance(20261124, seed), trace_rays, timed=timed)
-
-
-def judge_wide(seed: int, folder: Path, *, timed: bool = False) -> Verdict:
-    """Plan a scene and compare its pings with the finest sweep."""
-    scene, *pings = wide_scene(seed, folder)
-    return judge(scene, pings, draw_tolerance(20261126, seed), trace_finest, timed=timed)
-
-
-def judge_short(seed: int, folder: Path, *, timed: bool = False) -> Verdict:
-    """Plan a scene of few pings and compare all of them with the finest sweep."""
-    scene, pings = short_scene(seed, folder)
-    return judge(scene, [pings], draw_tolerance(20261127, seed), trace_finest, timed=timed)
-
-
-def draw_tolerance(stream: int, seed: int) -> float:
-    low, high = map(math.log, TOLERANCES)
-    return math.exp(np.random.default_rng([stream, seed]).uniform(low, high))
-
-
-def judge(
-    scene: Scene,
-    pings: list[np.ndarray],
-    tolerance: float,
-    trace_reference: Callable[[PackedScene, Groups, float], tuple[list[Record], float]],
-    *,
-    timed: bool,
-) -> Verdict:
+    tolerance = math.exp(np.random.default_rng([stream, seed]).uniform(*map(math.log, TOLERANCES)))
     packed = pack(scene)
     if timed:
         choose_model(packed, tolerance, "auto", {})  # loads the kernels
@@ -161,6 +135,14 @@ def trace_finest(packed: PackedScene, groups: Groups, _: float) -> tuple[list[Re
     half = finest._replace(planes=max(finest.planes // 2, 1), across=finest.across // 2, rays=finest.rays // 2)
     records, coarser = ([trace_model(packed, model, poses) for poses in groups] for model in (finest, half))
     return records, error_of(packed, groups, records, coarser)
+
+
+# How scenes of a kind are drawn, the stream of their tolerances, and what their records are compared with.
+KINDS: dict[str, tuple[Callable[..., Any], int, Callable[..., tuple[list[Record], float]]]] = {
+    "planned": (planned_scene, 20261124, trace_rays),
+    "wide": (wide_scene, 20261126, trace_finest),
+    "short": (short_scene, 20261127, trace_finest),
+}
 
 
 def finest_of(packed: PackedScene) -> Model:
@@ -222,41 +204,40 @@ def summary(found: list[Verdict]) -> str:
 
 @pytest.mark.parametrize("seed", [*PLANNED, *(pytest.param(seed, marks=pytest.mark.slow) for seed in MORE_PLANNED)])
 def test_a_plan_keeps_to_its_tolerance(seed, tmp_path):
-    verdict = judge_planned(seed, tmp_path)
+    verdict = judge("planned", seed, tmp_path)
     assert verdict.kept, verdict.line()
 
 
-def most_kept(found: list[Verdict]) -> list[Verdict]:
-    """Return the resolved verdicts; fail where they are few, or more than a tenth of their plans broke a tolerance."""
+@pytest.mark.parametrize(
+    ("kind", "seeds"),
+    [
+        ("wide", WIDE),
+        ("short", SHORT),
+        pytest.param("wide", MORE_WIDE, marks=pytest.mark.slow),
+        pytest.param("short", MORE_SHORT, marks=pytest.mark.slow),
+    ],
+    ids=["wide", "short", "more wide", "more short"],
+)
+def test_plans_keep_to_their_tolerances(kind, seeds, tmp_path):
+    found = [judge(kind, seed, tmp_path) for seed in seeds]
     known = [one for one in found if one.resolved]
     broken = [one.line() for one in known if not one.kept]
     assert len(known) >= 0.8 * len(found)
     assert len(broken) <= 0.1 * len(known), "\n".join(broken)
-    return known
-
-
-@pytest.mark.parametrize("seeds", [WIDE, pytest.param(MORE_WIDE, marks=pytest.mark.slow)], ids=["first", "more"])
-def test_plans_keep_to_their_tolerances(seeds, tmp_path):
-    known = most_kept([judge_wide(seed, tmp_path) for seed in seeds])
-    assert np.mean([one.off <= 3.0 for one in known]) >= 0.8
-
-
-@pytest.mark.parametrize("seeds", [SHORT, pytest.param(MORE_SHORT, marks=pytest.mark.slow)], ids=["first", "more"])
-def test_plans_of_few_pings_keep_to_their_tolerances(seeds, tmp_path):
-    most_kept([judge_short(seed, tmp_path) for seed in seeds])
+    assert kind == "short" or np.mean([one.off <= 3.0 for one in known]) >= 0.8
 
 
 @pytest.mark.bench
-@pytest.mark.parametrize("judge_scene", [judge_planned, judge_wide, judge_short], ids=["planned", "wide", "short"])
-def test_three_hundred_plans(judge_scene, say, tmp_path):
+@pytest.mark.parametrize("kind", KINDS)
+def test_three_hundred_plans(kind, say, tmp_path):
     found = []
     for seed in JUDGED:
         with limited_threads(1):
             try:
-                found.append(judge_scene(seed, tmp_path, timed=True))
+                found.append(judge(kind, seed, tmp_path, timed=True))
             except SceneError:  # a target that holds the sonar
                 continue
         say(found[-1].line())
     say(summary(found))
     assert len(found) >= 0.95 * len(JUDGED)
-    assert judge_scene is not judge_planned or np.mean([one.kept for one in found]) >= 0.95
+    assert kind != "planned" or np.mean([one.kept for one in found]) >= 0.95

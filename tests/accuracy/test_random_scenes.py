@@ -5,7 +5,6 @@ far the last doubling of the rays moved their record, and about half of that is 
 reference goes dark or lit for at least two bins. Likewise through thermoclines, by tables against arcs.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,7 +57,6 @@ class Judged:
 
 
 def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> Judged:
-    """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
     scene, pings = dense_scene(seed, folder, bent=bent)
     simulation = prepare(scene, method="rays", forced={"bending": "on" if bent else "off"})
     assert simulation.arrays.water.bent == bent
@@ -74,23 +72,6 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
         missed_edges(arrays, poses, record, right),
         worst_level(record, right),
     )
-
-
-def judge_many(
-    seeds: range, folder: Path, say: Callable[[str], None], tolerance: float, *, bent: bool = False
-) -> list[Judged]:
-    """Judge many scenes and print them, a line each, and all of them together."""
-    all_judged = []
-    for seed in seeds:
-        all_judged.append(judge(seed, folder, tolerance, bent=bent))
-        say(all_judged[-1].line())
-    errors = np.array([judged.errors.beyond for judged in all_judged])
-    edges = np.concatenate([judged.edges for judged in all_judged])
-    say(
-        f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
-        f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
-    )
-    return all_judged
 
 
 def worst_level(record: np.ndarray, right: np.ndarray) -> float:
@@ -144,9 +125,16 @@ def test_the_sweep_is_what_rays_say(seed, bent, tmp_path):
     ids=["straight", "bent"],
 )
 def test_many_random_scenes(seeds, tolerance, bent, median, worst, say, tmp_path):
-    all_judged = judge_many(seeds, tmp_path, say, tolerance, bent=bent)
+    all_judged = []
+    for seed in seeds:
+        all_judged.append(judge(seed, tmp_path, tolerance, bent=bent))
+        say(all_judged[-1].line())
     errors = np.array([judged.errors.beyond for judged in all_judged])
     edges = np.concatenate([judged.edges for judged in all_judged])
+    say(
+        f"median {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
+        f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
+    )
     assert np.median(errors) < median
     assert errors.max() < worst
     assert (edges <= 1).mean() > 0.99

@@ -57,7 +57,6 @@ class Changes:
         return self._uniform(count, 0.0, 1.0) < chance
 
     def __call__(self, chips: torch.Tensor, boxes: torch.Tensor) -> torch.Tensor:
-        """Changed pictures, (n, 1, SIDE, SIDE)."""
         greys, shown = self._framed(chips, self._windows(len(chips), chips.shape[3], boxes))
         return self._covered(_even(self._displayed(self._recorded(greys)), shown))
 
@@ -142,7 +141,6 @@ class _Residual(nn.Module):
         self.past = nn.Sequential(nn.AvgPool2d(stride), nn.Conv2d(channels, more, 1, bias=False), nn.BatchNorm2d(more))
 
     def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """Values of the next layer."""
         return functional.relu(self.main(values) + self.past(values))
 
 

@@ -36,6 +36,7 @@ SURFACE_SCENES = {  # with the targets and planes of each
     "default": (DEFAULT, {}, 8),
     "ghosts": (load_scene("ghosts"), {}, 8),
     "wreck": (load_scene("rough-ground"), {"sonar.vertical": {"kind": "uniform"}}, 8),
+    "wreck, array": (load_scene("rough-ground"), ARRAY | {"sonar.vertical": {"kind": "uniform"}}, 8),
 }
 
 
@@ -106,6 +107,7 @@ def test_surface_paths(say):
         facets = pack(below).arrays.multipath.facets.shape[1]
         constant = sweep.SURFACE_PATH + (sweep.FACET * facets if facets > 1 else 0.0)
         tell(say, f"a path by the surface, {name}", constant, ratio)
+        say(f"{'':40s} × {1.0 + len(PATHS) * ratio:.2f} with all three (at most 3 over a calm sea)")
 
 
 def test_single_rays(say):

@@ -18,7 +18,7 @@ from insonify.surveys import schedulers as local
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.engine import done_jobs, run_jobs
-from small_sets import SET
+from small_sets import SET, data_set
 from written_jobs import WrittenJobs
 
 pytestmark = pytest.mark.bench
@@ -27,11 +27,8 @@ TILES = {"pings": 128, "bins": 160, "empty": 1.0}
 
 def specification(scenes, **tow) -> DatasetSpecification:
     """A data set whose tows are long enough that tracing takes most of the time."""
-    values = tomllib.loads(SET)
     fields = {"seabed.spacing": 0.05, "sonar.bins": 640, "track.pings": 512, **tow}
-    return DatasetSpecification.model_validate(
-        {**values, "scenes": scenes, "tiles": TILES, "set": {**values["set"], **fields}}
-    )
+    return data_set(scenes=scenes, tiles=TILES, set={**tomllib.loads(SET)["set"], **fields})
 
 
 class Memory:

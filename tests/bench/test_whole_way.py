@@ -57,7 +57,7 @@ def tell(say, title, timings, pings, own):
 
 @pytest.mark.parametrize("pings", [512, 20_000])
 @pytest.mark.parametrize("threads", THREADS)
-def test_from_call_to_dataset(say, pings, threads):
+def test_from_call_to_dataset_and_file(say, tmp_path, pings, threads):
     scene = edit(BARE, {"track.pings": pings})
     simulation = prepare(scene, threads=threads)
     calls = {
@@ -69,19 +69,10 @@ def test_from_call_to_dataset(say, pings, threads):
         "simulate": lambda: simulate(scene, threads=threads),
         "simulate_blocks": lambda: [None for _ in simulate_blocks(scene, threads=threads)],
     }
-    timings = time_calls(calls, rounds=9 if pings < 5000 else 7)
-    tell(say, f"{pings} pings, {threads} threads", timings, pings, "tracer")
-
-
-@pytest.mark.parametrize("pings", [512, 20_000])
-@pytest.mark.parametrize("threads", THREADS)
-def test_from_command_to_file(say, tmp_path, pings, threads):
-    scene = edit(BARE, {"track.pings": pings})
-    calls = {"tracer": tracer(prepare(scene), pings, threads), "simulate": lambda: simulate(scene, threads=threads)}
     for name in ("record.nc", "record.npz", "record.png"):
         calls[name] = lambda path=tmp_path / name: fresh(path, write, scene, path, DisplayOptions(), threads=threads)
-    timings = time_calls(calls, rounds=5)
-    tell(say, f"{pings} pings to a file, {threads} threads", timings, pings, "tracer")
+    timings = time_calls(calls, rounds=9 if pings < 5000 else 7)
+    tell(say, f"{pings} pings, {threads} threads", timings, pings, "tracer")
 
 
 def test_writing_beside_the_disk(say, tmp_path):

@@ -27,8 +27,6 @@ class Worker:
         """Run one case; the result says why there is none where the worker died or was stopped."""
         fresh = self.process is None
         process = self.process = self.process or self._started()
-        assert process.stdin is not None
-        assert process.stdout is not None
         process.stdin.write(f"{json.dumps([name, seed])}\n".encode())
         process.stdin.flush()
         ready, _, _ = select.select([process.stdout], [], [], LONGEST + (300.0 if fresh else 10.0))

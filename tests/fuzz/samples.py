@@ -4,7 +4,6 @@
 who only damages files does not hold them.
 """
 
-import io
 import sys
 import warnings
 from collections.abc import Callable
@@ -161,12 +160,6 @@ def _bytes(content: str | bytes) -> Callable[[Path], object]:
     return lambda path: path.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
-def _npy(**options: object) -> bytes:
-    made = io.BytesIO()
-    np.save(made, HEIGHTS.astype(np.float32))
-    return made.getvalue()
-
-
 def _jsf(path: Path) -> None:
     from jsf_files import write_jsf
 
@@ -252,7 +245,7 @@ motion = { kind = "yaw", amplitude = 1.0, period = 6.0 }
 speckle = "rayleigh"
 """
 SAMPLES = {
-    "grid-npy": Sample("bed.npy", _bytes(_npy()), mutate_npy, BED),
+    "grid-npy": Sample("bed.npy", lambda path: np.save(path, HEIGHTS.astype(np.float32)), mutate_npy, BED),
     "grid-npz": Sample("bed.npz", lambda path: np.savez(path, z=HEIGHTS, x=np.arange(8.0)), mutate_zip, BED),
     "grid-tif": Sample("bed.tif", _tiff, mutate_bytes, BED),
     "grid-tif-packed": Sample(

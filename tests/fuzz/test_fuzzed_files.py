@@ -7,8 +7,6 @@ import pytest
 from fuzz.runner import Worker, fault, worker
 from fuzz.samples import SAMPLES
 
-FEW, MANY = 24, 10_000
-
 
 @pytest.fixture(scope="module")
 def running() -> Iterator[Worker]:
@@ -16,18 +14,8 @@ def running() -> Iterator[Worker]:
         yield made
 
 
-def faults(running: Worker, name: str, seeds: range) -> dict[int, str]:
-    """Seeds whose file is not dealt with as it should be, with what is wrong."""
-    found = ((seed, fault(running.case(name, seed))) for seed in seeds)
-    return {seed: told for seed, told in found if told is not None}
-
-
+@pytest.mark.parametrize("count", [24, pytest.param(10_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", SAMPLES)
-def test_a_damaged_file_is_read_or_refused_in_one_sentence(running: Worker, name: str) -> None:
-    assert faults(running, name, range(round(SAMPLES[name].share * FEW))) == {}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SAMPLES)
-def test_ten_thousand_damaged_files_are_read_or_refused(running: Worker, name: str) -> None:
-    assert faults(running, name, range(round(SAMPLES[name].share * MANY))) == {}
+def test_damaged_files_are_read_or_refused_in_one_sentence(running: Worker, name: str, count: int) -> None:
+    found = ((seed, fault(running.case(name, seed))) for seed in range(round(SAMPLES[name].share * count)))
+    assert {seed: told for seed, told in found if told is not None} == {}

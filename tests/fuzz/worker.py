@@ -18,15 +18,13 @@ from fuzz.samples import SAMPLES, Sample
 from insonify import cli
 
 
-def peak_bytes() -> int:
-    """Highest resident memory of this process and of its children since `reset_peaks`."""
-    return sum(map(_peak, _processes()))
-
-
-def reset_peaks() -> None:
-    for number in _processes():
+def peak_bytes(*, anew: bool = False) -> int:
+    """Highest resident memory of this process and of its children since it was asked for anew."""
+    processes = _processes()
+    for number in processes if anew else ():
         with contextlib.suppress(OSError):
             Path(f"/proc/{number}/clear_refs").write_text("5", encoding="ascii")
+    return sum(map(_peak, processes))
 
 
 def _processes() -> list[str]:
@@ -70,7 +68,6 @@ class Bench:
         return [word.format(input=self.input, valid=self.valid, out=self.out) for word in template]
 
     def mutate(self, seed: int) -> list[str]:
-        """Write the mutated file of a seed; returns the words of the command."""
         rng = np.random.default_rng([seed, *self.name.encode()])
         with contextlib.suppress(RecursionError):
             self.file.write_bytes(self.sample.mutate(self.content, rng))
@@ -81,7 +78,7 @@ class Bench:
 
 def run(words: list[str]) -> dict[str, Any]:
     """Run the command as the program does, with all that reaches the terminal caught."""
-    began, before = time.perf_counter(), resident()
+    began, before = time.perf_counter(), peak_bytes(anew=True)
     code: Any = None
     failure = ""
     with captured() as caught:
@@ -96,12 +93,6 @@ def run(words: list[str]) -> dict[str, Any]:
         "code": code, "traceback": failure, "told": told[-2000:],
         "seconds": time.perf_counter() - began, "bytes": peak_bytes() - before,
     }  # fmt: skip
-
-
-def resident() -> int:
-    """Bytes that are held now."""
-    reset_peaks()
-    return peak_bytes()
 
 
 @contextlib.contextmanager

@@ -231,16 +231,11 @@ def test_sound_bent_downwards_leaves_the_surface_at_the_limiting_range(g, limit)
 def test_reflected_rays_of_even_water_are_those_of_the_images():
     water = water_of([-50.0, 0.0], [1500.0, 1500.0])
     found = join_points(water, -30.0, -40.0, 75.0, -50.0, 0.0, 5)
-    images = [image for n in range(-4, 5) for image in _images(n)]
-    images = sorted(length for count, length in images if count <= 5)
+    # Of the n-th pair of mirrored waters, 50 m deep: heights of the two images, and their reflections.
+    pairs = [((-40.0 + 100.0 * n, 2 * abs(n)), (40.0 + 100.0 * n, abs(2 * n + 1))) for n in range(-4, 5)]
+    images = sorted(math.hypot(75.0, to + 30.0) for pair in pairs for to, count in pair if count <= 5)
     np.testing.assert_allclose(np.sort(found[:, TIME]) * 1500.0, images, rtol=1e-12)
     np.testing.assert_allclose(np.sort(found[:, TUBE]), images, rtol=1e-9)
-
-
-def _images(n):
-    """Reflections and length to the two images of the point in the n-th pair of mirrored waters, 50 m deep."""
-    for to, count in ((-40.0 + 100.0 * n, 2 * abs(n)), (40.0 + 100.0 * n, abs(2 * n + 1))):
-        yield count, math.hypot(75.0, to + 30.0)
 
 
 def test_rays_along_a_duct_turn_many_times():

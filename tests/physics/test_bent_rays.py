@@ -8,6 +8,7 @@ import pytest
 import bent
 import naive
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
+from brute_force import strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR, still_water
 from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
@@ -44,7 +45,6 @@ def downwards(angles, azimuth=0.3):
 
 
 def land(arrays, start, directions, reach=1000.0):
-    """All that is known of the first hits."""
     columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
     bundle = RayBundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
     hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
@@ -152,16 +152,14 @@ def integrated(water, z, law, half_width, bins, bin_length, rays=6000, slabs=400
     sine = np.sqrt(1.0 - np.minimum((cosine * c1 / c0) ** 2, 1.0))
     q = np.abs(after - before) / (2.0 * step) * sine
     intensity, width = cosine / (x * q), 1.0
-    r, lobe = water.reference * time, np.maximum(2.0 * sine**2 - 1.0, 0.0) ** MATERIAL.shininess
+    r, value = water.reference * time, strength(sine, MATERIAL, law)
     ground = np.abs(after - before) / (2.0 * step) * np.diff(angles)
     if law == LIGHT:
-        value = (MATERIAL.diffuse * sine + MATERIAL.specular * lobe) / bin_length
-        value *= water.reference / c1 * ground * cosine * c1 / c0
+        value *= water.reference / c1 * ground * cosine * c1 / c0 / bin_length
     else:
         if half_width > 0.0:
             width = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cosine, 1.0)) * x
-        mirror = MATERIAL.specular * (MATERIAL.shininess + 2.0) / (2.0 * math.pi) * lobe
-        value = sine**2 * (MATERIAL.diffuse / math.pi + mirror) * ground * width * (intensity * r * r) ** 2
+        value *= ground * width * (intensity * r * r) ** 2
     nearest_first = np.argsort(r)
     r, value = r[nearest_first], value[nearest_first]
     return np.diff(np.interp(np.arange(bins + 1) * bin_length, r, np.cumsum(value) - 0.5 * value))
@@ -216,14 +214,12 @@ def test_sound_goes_back_the_way_it_came():
     arrays = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
     ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
     outside = np.array(start) + 0.051 * ways
-    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
-    hits, arrivals = empty_hits(30), empty_arrivals(30)
-    find_refracted_hits(arrays, bundle, 300.0, 0.0, hits, arrivals)
+    hits, arrivals = land(arrays, outside.T, ways, 300.0)
     assert (hits.body == BED).all()
     way = np.column_stack([arrivals.dx, arrivals.dy, arrivals.dz])
     x = arrivals.spread * np.hypot(ways[:, 0], ways[:, 1])
     places = outside + x[:, None] * np.array([math.cos(1.1), math.sin(1.1), 0.0])
-    places[:, 2] = [naive.height(arrays.bed, *place[:2]) + 1e-3 for place in places]
+    places[:, 2] = naive.heights(arrays.bed, *places[:, :2].T) + 1e-3
     back, what, _ = rays.cast(arrays, places, -way, reach=300.0)
     assert (what == 0).all()
     np.testing.assert_allclose(back, hits.distance, atol=0.02)

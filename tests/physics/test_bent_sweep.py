@@ -28,6 +28,19 @@ def wet(arrays, name, sonar=SONAR):
     return arrays._replace(water=water_about(sonar, *WATERS[name]))
 
 
+def one_gradient(gradient, sonar):
+    """Empty bed, and water whose speed rises by so much a metre upwards and is 1500 m/s at the sonar."""
+    speeds = [1500.0 - gradient * (200.0 + sonar), 1500.0 + gradient * (200.0 - sonar)]
+    arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
+    return arrays._replace(water=water_about(sonar, [-200.0, 200.0], speeds))
+
+
+def travelled(gradient, x, z):
+    """Slant range of places about the sonar, and the speed there: τ = (2/|g|) asinh(|g| D / (2 √(c0 c1)))."""
+    c1 = 1500.0 + gradient * z
+    return 3000.0 / abs(gradient) * np.arcsinh(abs(gradient) * np.hypot(x, z) / (2.0 * np.sqrt(1500.0 * c1))), c1
+
+
 @kernel
 def places(apparent, z, table, x, heights):
     """What a sonar at height z reads of places, (n, 4)."""
@@ -46,23 +59,19 @@ def read(arrays, z, x, heights):
 @pytest.mark.parametrize("gradient", [1.0, 0.1, -0.1, -1.0])
 @pytest.mark.parametrize("sonar", [SONAR, 1.5])
 def test_tables_of_one_gradient_hold_the_closed_forms(gradient, sonar):
-    # tan θ0 = Δz/x + g D²/(2 x c0), τ = (2/|g|) asinh(|g| D / (2 √(c0 c1))), q = x / cosθ0 (from dz/dθ0 there).
-    c0 = 1500.0
-    speeds = [c0 - gradient * (200.0 + sonar), c0 + gradient * (200.0 - sonar)]
-    arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
-    arrays = arrays._replace(water=water_about(sonar, [-200.0, 200.0], speeds))
+    # tan θ0 = Δz/x + g D²/(2 x c0), q = x / cosθ0 (from dz/dθ0 there).
+    arrays = one_gradient(gradient, sonar)
     rng = np.random.default_rng(1)
     x, heights = rng.uniform(0.0, 100.0, 500), rng.uniform(-1.0, 1.0, 500)
     level, rise, tube, turn = read(arrays, sonar, x, heights).T
     z = heights - sonar
-    d, c1 = np.hypot(x, z), c0 + gradient * z
-    slope = z / x + gradient * d**2 / (2.0 * x * c0)
-    r = c0 * 2.0 / abs(gradient) * np.arcsinh(abs(gradient) * d / (2.0 * np.sqrt(c0 * c1)))
+    r, c1 = travelled(gradient, x, z)
+    slope = z / x + gradient * (x**2 + z**2) / (2.0 * x * 1500.0)
     cosine = 1.0 / np.hypot(1.0, slope)
     np.testing.assert_allclose(x * (1.0 + level), r * cosine, atol=2e-4 * abs(gradient))
     np.testing.assert_allclose(z + rise, r * slope * cosine, atol=2e-4 * abs(gradient))
     np.testing.assert_allclose(1.0 + tube, x / cosine / r, rtol=1e-6)
-    arrival = z / x - gradient * d**2 / (2.0 * x * c1)
+    arrival = z / x - gradient * (x**2 + z**2) / (2.0 * x * c1)
     np.testing.assert_allclose(turn, np.arctan(arrival) - np.arctan(slope), atol=2e-6)
 
 
@@ -74,11 +83,8 @@ def put(apparent, z, table, profile, count):
 
 @pytest.mark.parametrize("gradient", [1.0, -1.0])
 def test_a_rough_profile_has_the_ranges_and_incidences_of_the_closed_forms(gradient):
-    c0, knots = 1500.0, 901
-    speeds = [c0 - gradient * (200.0 + SONAR), c0 + gradient * (200.0 - SONAR)]
-    arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
-    arrays = arrays._replace(water=water_about(SONAR, [-200.0, 200.0], speeds))
-    apparent, _ = make_apparent_tables(arrays, poses_of(0.0, 0.0, SONAR))
+    knots = 901
+    apparent, _ = make_apparent_tables(one_gradient(gradient, SONAR), poses_of(0.0, 0.0, SONAR))
     x = np.linspace(0.0, 90.0, knots)
     z = 0.9 * np.sin(0.7 * x) - SONAR
     slope = np.diff(z) / np.diff(x)
@@ -86,13 +92,11 @@ def test_a_rough_profile_has_the_ranges_and_incidences_of_the_closed_forms(gradi
     profile = empty_profile(1024, np.float64)
     profile.x[:knots], profile.z[:knots], profile.slope[: knots - 1], profile.area[: knots - 1] = x, z, slope, area
     put(apparent, SONAR, np.zeros(apparent.tables.shape[1:], np.float32), profile, knots)
-    d, c1 = np.hypot(x, z), c0 + gradient * z
-    r = c0 * 2.0 / abs(gradient) * np.arcsinh(abs(gradient) * d / (2.0 * np.sqrt(c0 * c1)))
     seen_x, seen_z = profile.x[:knots], profile.z[:knots]
-    np.testing.assert_allclose(np.hypot(seen_x, seen_z), r, atol=2e-5)
+    np.testing.assert_allclose(np.hypot(seen_x, seen_z), travelled(gradient, x, z)[0], atol=2e-5)
     # The direction of arrival is that from the sonar, less the half angle that the arc spans.
     x, z, seen_x, seen_z = (0.5 * (values[1:] + values[:-1]) for values in (x, z, seen_x, seen_z))
-    arrival = np.arctan(z / x - gradient * (x**2 + z**2) / (2.0 * x * (c0 + gradient * z)))
+    arrival = np.arctan(z / x - gradient * (x**2 + z**2) / (2.0 * x * (1500.0 + gradient * z)))
     cosine = np.maximum(slope * np.cos(arrival) - np.sin(arrival), 0.0) / np.sqrt(area)
     found = -profile.facing[: knots - 1] / np.hypot(seen_x, seen_z) / np.sqrt(profile.area[: knots - 1])
     np.testing.assert_allclose(found, cosine, atol=2e-5)

@@ -47,12 +47,10 @@ def record(arrays, poses, *, planes=8, **settings):
 
 
 def mean_record(arrays, poses, pulse=TONE, planes=64):
-    """What the sweep and the pulse make of the same scene."""
     return lengthened(sweep.trace(arrays, poses, planes=planes), pulse, arrays)
 
 
 def lengthened(traced, pulse, arrays):
-    """Let a pulse lengthen every echo."""
     taps = pulse_taps(pulse, SPEED, arrays.bin_length)
     out = np.zeros_like(traced)
     convolve_pulse(traced, taps.weights.astype(np.float32), taps.before, out)
@@ -179,20 +177,20 @@ def pass_by(count=30, **changes):
 SQUINTING = gaussian_pattern(0.04, squint=0.15, vertical=2, tilt=0.5, vertical_width=0.9)
 
 
-@pytest.mark.parametrize("pulse", [TONE, Chirp(duration=5e-4, bandwidth=2e4)], ids=["tone", "chirp"])
-def test_its_mean_over_all_scatterers_is_the_sweeps_record(pulse):
-    arrays, poses = scene(), pass_by()
-    agrees(arrays, poses, mean_record(arrays, poses, pulse), pulse)
-
-
-def test_its_mean_is_the_exact_record_for_a_squinting_pattern_of_a_pitched_and_rolled_fish():
-    arrays = scene(pattern=SQUINTING, half_width=0.08)
-    poses = pass_by(pitch=0.05, roll=-0.2)
-    agrees(arrays, poses, lengthened(rays.trace(arrays, poses, rays=4000), TONE, arrays), TONE)
-
-
-def agrees(arrays, poses, wanted, pulse):
-    """Assert that the mean over seeds is the record wanted, in all and stretch by stretch of half a metre."""
+@pytest.mark.parametrize(
+    ("pulse", "beam", "turned"),
+    [
+        (TONE, {}, {}),
+        (Chirp(duration=5e-4, bandwidth=2e4), {}, {}),
+        (TONE, {"pattern": SQUINTING, "half_width": 0.08}, {"pitch": 0.05, "roll": -0.2}),
+    ],
+    ids=["tone", "chirp", "squinting pattern of a pitched and rolled fish"],
+)
+def test_its_mean_over_all_scatterers_is_the_record(pulse, beam, turned):
+    """That of the sweep, or of rays: in all and stretch by stretch of half a metre."""
+    arrays, poses = scene(**beam), pass_by(**turned)
+    traced = rays.trace(arrays, poses, rays=4000) if beam else sweep.trace(arrays, poses, planes=64)
+    wanted = lengthened(traced, pulse, arrays)
     found = np.mean(
         [record(arrays, poses, planes=64, seed=seed, density=200.0, pulse=pulse) for seed in range(10)], axis=0
     )
@@ -284,17 +282,21 @@ def test_skin_has_the_area_of_the_bodies():
     assert [np.sort(skin.number[skin.target == t]).tolist() == list(range((skin.target == t).sum())) for t in range(4)]
 
 
-def test_boxes_of_more_patches_than_can_be_kept_are_refused():
-    box = {"kind": "box", "position": [10.0, 30.0], "size": [900.0, 900.0, 5.0]}
-    huge = edit(load_scene("default"), {"receiver.speckle": "coherent", "track.pings": 1, "targets": [box]})
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' keeps .* patches .* smaller boxes"):
-        prepare(huge).intensity(np.arange(1))
-
-
-def test_more_scatterers_than_can_be_heard_are_refused():
-    declared = edit(load_scene("default"), {"receiver.speckle": {"kind": "coherent", "density": 1e6}})
-    with pytest.raises(SceneError, match=r"^receiver\.speckle\.density: 1e\+06 scatterers .* lower it to "):
-        prepare(declared)
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"targets": [{"kind": "box", "position": [10.0, 30.0], "size": [900.0, 900.0, 5.0]}]},
+            r"^receiver\.speckle: 'coherent' keeps .* patches .* smaller boxes",
+        ),
+        ({"receiver.speckle.density": 1e6}, r"^receiver\.speckle\.density: 1e\+06 scatterers .* lower it to "),
+    ],
+    ids=["patches", "scatterers"],
+)
+def test_more_than_can_be_kept_or_heard_is_refused(changes, told):
+    declared = edit(load_scene("default"), {"receiver.speckle": "coherent", "track.pings": 1} | changes)
+    with pytest.raises(SceneError, match=told):
+        prepare(declared).intensity(np.arange(1))
 
 
 def test_the_rest_of_the_receiver_goes_on_as_for_other_speckle():

@@ -7,11 +7,16 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of
+from brute_force import strength
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.packing.packed_scene import pack
+from insonify.planning import plan
+from insonify.planning.probe import trace_model
 from insonify.scene import edit, load_scene
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.simulation import prepare
+from insonify.tow.poses import make_poses
 from insonify.tracers import rays, sweep
 from insonify.tracers.azimuth_fan import FORESHORTENED
 
@@ -27,25 +32,25 @@ def flat(**options):
     return arrays_of(FLAT, 0.1, periodic=True, **options)
 
 
-def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, samples=400):
+def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, material=MATERIAL, decay=0.0):
     """What every bin hears of a level bed: rings of slant range, dA = φ r dr, cut by the beam's cone."""
+    samples = 400
     r = (np.arange(bins * samples) + 0.5) * bin_length / samples
     heard = r > altitude
     cos_incidence = np.where(heard, altitude / r, 0.0)
-    lobe = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** MATERIAL.shininess
+    density = strength(cos_incidence, material, law)
     if law == LIGHT:
-        density = (MATERIAL.diffuse * cos_incidence + MATERIAL.specular * lobe) / bin_length
+        density /= bin_length
     else:
-        mirror = MATERIAL.specular * (MATERIAL.shininess + 2.0) / (2.0 * math.pi) * lobe
         cos_grazing = np.sqrt(1.0 - cos_incidence**2)
         azimuths = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cos_grazing, 1.0))
         width = azimuths * r if half_width > 0.0 else 1.0 / cos_grazing
-        density = cos_incidence**2 * (MATERIAL.diffuse / math.pi + mirror) * width
+        density *= width * r**-decay
     return np.where(heard, density, 0.0).reshape(bins, samples).sum(axis=1) * bin_length / samples
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
-@pytest.mark.parametrize("width", [0.0, 0.5, 2.5, 10.0, 30.0, 60.0])
+@pytest.mark.parametrize("width", [0.0, 0.01, 0.5, 2.5, 10.0, 30.0, 60.0])
 @pytest.mark.parametrize("planes", [2, 16])
 def test_every_bin_is_its_integral(law, width, planes):
     arrays = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
@@ -153,11 +158,25 @@ def test_a_knife_falls_as_60_log_r_and_a_fan_as_50(half_width, order, trace):
     assert slope == pytest.approx(order, abs=0.01)
 
 
-@pytest.mark.parametrize("law", [LIGHT, SONAR])
-def test_a_fan_of_no_width_is_a_knife(law):
-    # Law `light` averages over the beam; law `sonar` integrates it, so that its width divides.
-    half_width = 1e-4
-    fan = sweep.trace(flat(law=law, half_width=half_width), poses_of(3.0, 5.0, 10.0))[0, 0, 300:]
-    knife = sweep.trace(flat(law=law), poses_of(3.0, 5.0, 10.0))[0, 0, 300:]
-    r = (np.arange(300, 1000) + 0.5) * 0.05
-    np.testing.assert_allclose(fan / (2.0 * half_width * r if law == SONAR else 1.0), knife, rtol=0.02)
+LEVEL = edit(
+    load_scene("default"),
+    {"targets": [], "seabed.relief": "flat", "track.altitude": 10.0, "track.pings": 1, "sonar.bins": 5000},
+)
+
+
+@pytest.mark.parametrize("material", [Reflectivity(0.3, 0.0, 1.0), Reflectivity(0.2, 0.5, 1000.0)])
+@pytest.mark.parametrize("width", [10.0, 30.0, 60.0])
+def test_the_first_return_of_a_wide_fan_is_as_its_integral(width, material):
+    scene = edit(LEVEL, {"seabed.material": material._asdict(), "sonar.beam.width": width})
+    packed, made = pack(scene), plan(scene)
+    record = trace_model(packed, made.model, make_poses(scene, packed.ground, np.zeros(1, np.int64)))[0, 0]
+    # Of the first 0.3 m: bins of 0.01 m.
+    right = integral(SONAR, math.radians(0.5 * width), 10.0, 1030, 0.01, material, 4.0)
+    assert record[1000:1030].sum() == pytest.approx(right.sum(), rel=0.02)
+    assert made.near_error < 3.0 * 0.03
+
+
+def test_a_plan_prints_the_error_from_the_first_return():
+    made = plan(LEVEL)
+    assert made.near_error >= made.entry("planes").error
+    assert "From the first return" in made.table()

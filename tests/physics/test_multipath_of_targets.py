@@ -44,14 +44,12 @@ def ghost(trace, arrays, way):
 
 @lru_cache
 def twin(name, way, law, material, across=1, up=20_000, half_width=0.0):
-    """What a grid of angles gives."""
     body, meet = BODIES[name]
     arrays = alone(body, material, law, half_width)
     return naive_target_ghost(arrays, meet, material, ALTITUDE, DEPTH, way, across=across, up=up)
 
 
 def compare(trace, name, way, law, material, half_width=0.0, **grid):
-    """Error of a ghost and of its energy."""
     right = twin(name, way, law, material, half_width=half_width, **grid)
     record = ghost(trace, alone(BODIES[name][0], material, law, half_width), way)
     return np.linalg.norm(record - right) / np.linalg.norm(right), abs(record.sum() / right.sum() - 1.0)

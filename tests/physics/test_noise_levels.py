@@ -14,7 +14,7 @@ from insonify.scene import edit, load_scene, scene_to_toml
 from insonify.scene.receiver.noises import rain_noise, thermal_noise, wind_noise
 from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
-from receptions import decibels
+from receptions import decibels, scene_with
 
 TONE, LONG_TONE = {"kind": "tone", "duration": 1e-4}, {"kind": "tone", "duration": 1e-3}
 CHIRP = {"kind": "chirp", "duration": 1e-3, "bandwidth": 30e3}
@@ -24,12 +24,10 @@ C = 1500.0
 
 def level_bed(**changes):
     """The bed of pipe-on-bed without its pipe, with a source of 200 dB."""
-    fixed = {"targets": [], "receiver.source_level": 200.0}
-    return edit(load_scene("pipe-on-bed"), fixed | {path.replace("__", "."): each for path, each in changes.items()})
+    return scene_with("pipe-on-bed", **{"targets": [], "receiver__source_level": 200.0} | changes)
 
 
 def noise_of(**changes):
-    """Level of the noise in the record, in dB."""
     return decibels(prepare(level_bed(**changes)).reception.find(Noise).level)
 
 

@@ -1,7 +1,7 @@
 """Noise, reverberation and crosstalk are waves: they add to the echo before detection, for every speckle."""
 
 import math
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 import pytest
@@ -17,18 +17,11 @@ from receptions import RAYLEIGH, correlation, reception, variation
 PINGS, BINS = 500, 200
 ECHO = 1e-9
 RATIOS = (-20.0, -10.0, -3.0, 0.0, 3.0, 10.0, 20.0)  # dB, of noise to echo
-SPECKLES = {
-    "none": "none",
-    "rayleigh": "rayleigh",
-    "looks": {"kind": "rayleigh", "looks": 4},
-    "k": {"kind": "k", "shape": 1.5},
-    "k_looks": {"kind": "k", "shape": 3.0, "looks": 2},
-}
 
 
 def ready(speckle, bins=BINS, **changes) -> Reception:
     # 5 m a ping: neither speckle nor the bed's texture is correlated from ping to ping.
-    kind = {"receiver__speckle": SPECKLES.get(speckle, speckle), "sonar__pulse": "ideal", "track__speed": 50.0}
+    kind = {"receiver__speckle": SPECKLES[speckle][0], "sonar__pulse": "ideal", "track__speed": 50.0}
     settings = {"altitude": 100.0, "depth": 100.0, "half_width": math.radians(0.5), "spreading": True}
     return reception(bins, **settings, **kind | changes)
 
@@ -54,12 +47,12 @@ def speckled(looks: int, shape: float | None, noise: float) -> tuple[float, floa
     return root * float(np.sqrt(strength + noise).mean()), 1.0 + noise
 
 
-EXACT = {
-    "none": rice,
-    "rayleigh": lambda noise: speckled(1, None, noise),
-    "looks": lambda noise: speckled(4, None, noise),
-    "k": lambda noise: speckled(1, 1.5, noise),
-    "k_looks": lambda noise: speckled(2, 3.0, noise),
+SPECKLES = {  # kinds, and what noise makes of their moments
+    "none": ("none", rice),
+    "rayleigh": ("rayleigh", partial(speckled, 1, None)),
+    "looks": ({"kind": "rayleigh", "looks": 4}, partial(speckled, 4, None)),
+    "k": ({"kind": "k", "shape": 1.5}, partial(speckled, 1, 1.5)),
+    "k_looks": ({"kind": "k", "shape": 3.0, "looks": 2}, partial(speckled, 2, 3.0)),
 }
 
 
@@ -73,7 +66,7 @@ def test_noise_adds_before_detection(speckle, ratio):
         np.arange(PINGS),
     ).astype(float)
     record /= ECHO
-    amplitude, energy = EXACT[speckle](noise)
+    amplitude, energy = SPECKLES[speckle][1](noise)
     n = record.size
     assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(n))
     wanted = math.sqrt(energy / amplitude**2 - 1.0)

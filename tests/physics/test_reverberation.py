@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of
+from beds import arrays_of, tabulated_pattern
 from insonify.acoustics.resolution_cell import coherence_angle, surface_echo, volume_echo
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.kernels.common.types import TOP_HAT
@@ -188,14 +188,8 @@ def test_an_even_bed_still_looks_even(receiver):
 def tabulated(width, columns=4001, **vertical):
     """A scene whose pattern is a table of the top-hat, twice as broad as it."""
     s, half = np.linspace(-1.0, 1.0, columns) * 2.0 * math.sin(0.5 * width), math.sin(0.5 * width)
-    energy = np.clip((half - np.abs(s)) / (s[1] - s[0]) + 0.5, 0.0, 1.0)[None]
-    integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[0, 1:] + energy[0, :-1]))])[None] * (s[1] - s[0])
-    plain = arrays(width)
-    return plain._replace(
-        pattern=plain.pattern._replace(
-            tabulated=True, extent=np.array([s[-1]]), energy=energy, integral=integral, **vertical
-        )
-    )
+    energy = np.clip((half - np.abs(s)) / (s[1] - s[0]) + 0.5, 0.0, 1.0)
+    return arrays(width, pattern=tabulated_pattern(s[-1], energy, **vertical))
 
 
 def test_a_tabled_beam_hears_what_its_top_hat_hears():

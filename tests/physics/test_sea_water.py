@@ -72,24 +72,18 @@ def test_a_record_takes_the_sonars_own_depth_and_frequency():
     assert -10.0 * math.log10(ratio) == pytest.approx(2.0 * decibels * 900.5 * 0.05 / 1e3, rel=1e-5)
 
 
-AT_THE_SURFACE = {
-    "paper": (1449.000, 1489.800, 1521.400),
-    "mackenzie": (1448.960, 1489.803, 1521.463),
-    "teos10": (1449.025, 1489.789, 1521.480),
-}
-
-
-@pytest.mark.parametrize("name", AT_THE_SURFACE)
-def test_the_speed_at_the_surface_is_as_printed(name):
-    np.testing.assert_allclose(EQUATIONS[name]([0.0, 10.0, 20.0], 35.0, 0.0), AT_THE_SURFACE[name], atol=5.1e-4)
-
-
-def test_mackenzie_at_depth_is_as_printed():
-    assert mackenzie(25.0, 35.0, 1000.0) == pytest.approx(1550.744, abs=5e-4)
-
-
-def test_the_paper_at_50_m():
-    np.testing.assert_allclose(paper([10.0, 20.0], 35.0, 50.0), [1490.62, 1522.22], atol=5e-3)
+@pytest.mark.parametrize(
+    ("name", "temperatures", "depth", "speeds", "bound"),
+    [
+        ("paper", [0.0, 10.0, 20.0], 0.0, [1449.000, 1489.800, 1521.400], 5.1e-4),
+        ("mackenzie", [0.0, 10.0, 20.0], 0.0, [1448.960, 1489.803, 1521.463], 5.1e-4),
+        ("teos10", [0.0, 10.0, 20.0], 0.0, [1449.025, 1489.789, 1521.480], 5.1e-4),
+        ("mackenzie", [25.0], 1000.0, [1550.744], 5e-4),
+        ("paper", [10.0, 20.0], 50.0, [1490.62, 1522.22], 5e-3),
+    ],
+)
+def test_speeds_are_as_printed(name, temperatures, depth, speeds, bound):
+    np.testing.assert_allclose(EQUATIONS[name](temperatures, 35.0, depth), speeds, rtol=0.0, atol=bound)
 
 
 def test_the_paper_without_its_misprint_grows_with_temperature():

@@ -11,14 +11,14 @@ from insonify.explanation.sonar_equation import solve_sonar_equation, write_sona
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.absorptions import francois_garrison
 from insonify.simulation import prepare, simulate
-from receptions import decibels
+from receptions import decibels, scene_with
 
 BARE = {
     "targets": [],
-    "seabed.relief": "flat",
-    "receiver.speckle": "none",
-    "receiver.fluctuation": "none",
-    "track.pings": 400,
+    "seabed__relief": "flat",
+    "receiver__speckle": "none",
+    "receiver__fluctuation": "none",
+    "track__pings": 400,
 }
 DISTURBED = {"receiver.noise": {"kind": "density", "level": 55.0}, "receiver.source_level": 200.0}
 QUIET = {"receiver.noise": "none", "receiver.reverberation": "none"}
@@ -26,7 +26,7 @@ QUIET = {"receiver.noise": "none", "receiver.reverberation": "none"}
 
 def raw(**changes):
     """The scene raw-record over a level bed, without anything random but its noise."""
-    return edit(load_scene("raw-record"), BARE | {path.replace("__", "."): each for path, each in changes.items()})
+    return scene_with("raw-record", **BARE | changes)
 
 
 SONARS = {
@@ -166,20 +166,21 @@ def strength_of(target, width=10.0, **changes):
     return float(record.target_strength.item())
 
 
-def test_a_mirror_sphere_returns_a_quarter_of_its_radius_squared():
-    """TS = 10 log a²/4 of a rigid sphere, ka ≫ 1 (Urick 1983, table 9.1), times (r/(r + a))² of a source at r."""
-    for radius in (0.5, 1.0):
-        exact = decibels(R2 * (1.0 + 2.0 / N) * radius**2 / 4.0 * ((DISTANCE - radius) / DISTANCE) ** 2)
-        measured = strength_of({"kind": "sphere", "radius": radius}, width=1.0)  # planes closer than its glint
-        assert measured == pytest.approx(exact, abs=0.05)
-
-
-def test_a_long_mirror_cylinder_returns_its_radius_times_a_quarter_of_the_range():
-    """Broadside and longer than the first Fresnel zone: (a/4) r of a source at the range r; a r/2 for a plane wave."""
-    radius = 0.2
-    pipe = {"kind": "pipe", "radius": radius, "length": 12.0}
-    expected = decibels(R2 * radius * (DISTANCE - radius) / 4.0)
-    assert strength_of(pipe, width=20.0) == pytest.approx(expected, abs=0.3)
+@pytest.mark.parametrize(
+    ("target", "width", "area", "bound"),
+    [
+        # a²/4 of a rigid sphere, ka ≫ 1 (Urick 1983, table 9.1), times (r/(r + a))² of a source at r; planes closer
+        # than its glint.
+        ({"kind": "sphere", "radius": 0.5}, 1.0, (1.0 + 2.0 / N) * 0.25 / 4.0 * (1.0 - 0.5 / DISTANCE) ** 2, 0.05),
+        ({"kind": "sphere", "radius": 1.0}, 1.0, (1.0 + 2.0 / N) * 1.0 / 4.0 * (1.0 - 1.0 / DISTANCE) ** 2, 0.05),
+        # Broadside and longer than the first Fresnel zone: (a/4) r of a source at the range r; a r/2 for a plane wave.
+        ({"kind": "pipe", "radius": 0.2, "length": 12.0}, 20.0, 0.2 * (DISTANCE - 0.2) / 4.0, 0.3),
+        # Larger than the first Fresnel zone, at normal incidence: the image at 2r, r²/4.
+        ({"kind": "box", "size": [8.0, 0.2, 8.0]}, 20.0, (DISTANCE - 0.1) ** 2 / 4.0, 0.3),
+    ],
+)
+def test_mirrors_return_what_geometrical_acoustics_has(target, width, area, bound):
+    assert strength_of(target, width) == pytest.approx(decibels(R2 * area), abs=bound)
 
 
 def test_a_mesh_returns_as_the_solid_that_it_stands_for(tmp_path):
@@ -196,9 +197,3 @@ def test_a_mesh_returns_as_the_solid_that_it_stands_for(tmp_path):
     assert mesh == pytest.approx(decibels(2.0 / 3.0 * 0.6 * radius**2), abs=0.3)
     solid = strength_of({"kind": "sphere", "radius": radius}, width=4.0, material=lambert)
     assert mesh == pytest.approx(solid, abs=0.05)
-
-
-def test_a_large_mirror_plate_returns_its_image():
-    """Larger than the first Fresnel zone, at normal incidence: the image at 2r, r²/4."""
-    plate = {"kind": "box", "size": [8.0, 0.2, 8.0]}
-    assert strength_of(plate, width=20.0) == pytest.approx(decibels(R2 * (DISTANCE - 0.1) ** 2 / 4.0), abs=0.3)

@@ -216,68 +216,68 @@ def test_land_is_not_seen_through_the_surface():
         assert np.flatnonzero(added[0])[-1] * 0.05 == pytest.approx(math.hypot(16.0, 1.5), abs=0.3)
 
 
-class TestRough:
-    """A sea raised by the wind."""
+OPTIONS = {"periodic": True, "bins": 4500, "bin_length": 0.01}  # under a sea raised by the wind
+POSE = poses_of(0.3, 0.0, 12.0)
 
-    OPTIONS = {"periodic": True, "bins": 4500, "bin_length": 0.01}  # noqa: RUF012
-    POSE = poses_of(0.3, 0.0, 12.0)
 
-    def ball(self, distance=20.0):
-        return bright_ball(arrays_of(FLAT, 0.5, **self.OPTIONS), (0.3, distance, 0.0), 0.05)
+@pytest.mark.parametrize("tracer", TRACERS)
+@pytest.mark.parametrize("way", ["surface_bottom", "surface_bottom_surface"])
+def test_energy_is_kept_and_comes_later_by_what_tilts_add(tracer, way):
+    wind, depth, drop = 6.0, 6.0, 24.0
+    ball = bright_ball(arrays_of(FLAT, 0.5, **OPTIONS), (0.3, 20.0, 0.0), 0.05)
+    calm = ghost(TRACERS[tracer], ball, POSE, 18.0, way)[0, 0]
+    blown = ghost(TRACERS[tracer], ball, POSE, 18.0, way, wind_speed=wind)[0, 0]
+    assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
+    r = (np.arange(4500) + 0.5) * 0.01
+    mean, spread = (lambda e: ((e * r).sum() / e.sum(), (e * r * r).sum() / e.sum()))(blown)
+    first = (calm * r).sum() / calm.sum()
+    # Legs of d and h + d, at the grazing angle to the image, 24 m above the ball.
+    passes, far = (1 if way == "surface_bottom" else 2), math.hypot(20.0, drop)
+    grazing, variance = drop / far, RoughSurface(wind_speed=wind).slope_variance
+    r1, r2 = depth / grazing, (drop - depth) / grazing
+    late = passes * variance * r1 * r2 / (r1 + r2)
+    assert mean - first == pytest.approx(late, rel=0.02, abs=0.01)
+    height = passes * RoughSurface(wind_speed=wind).rms_height * grazing
+    tilts = late**2 * (2.0 if passes == 1 else 1.0)
+    assert math.sqrt(spread - mean**2) == pytest.approx(math.sqrt(height**2 + tilts), rel=0.06)
 
-    @pytest.mark.parametrize("tracer", TRACERS)
-    @pytest.mark.parametrize("way", ["surface_bottom", "surface_bottom_surface"])
-    def test_energy_is_kept_and_comes_later_by_what_tilts_add(self, tracer, way):
-        wind, depth, drop = 6.0, 6.0, 24.0
-        calm = ghost(TRACERS[tracer], self.ball(), self.POSE, 18.0, way)[0, 0]
-        blown = ghost(TRACERS[tracer], self.ball(), self.POSE, 18.0, way, wind_speed=wind)[0, 0]
-        assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
-        r = (np.arange(4500) + 0.5) * 0.01
-        mean, spread = (lambda e: ((e * r).sum() / e.sum(), (e * r * r).sum() / e.sum()))(blown)
-        first = (calm * r).sum() / calm.sum()
-        # Legs of d and h + d, at the grazing angle to the image, 24 m above the ball.
-        passes, far = (1 if way == "surface_bottom" else 2), math.hypot(20.0, drop)
-        grazing, variance = drop / far, RoughSurface(wind_speed=wind).slope_variance
-        r1, r2 = depth / grazing, (drop - depth) / grazing
-        late = passes * variance * r1 * r2 / (r1 + r2)
-        assert mean - first == pytest.approx(late, rel=0.02, abs=0.01)
-        height = passes * RoughSurface(wind_speed=wind).rms_height * grazing
-        tilts = late**2 * (2.0 if passes == 1 else 1.0)
-        assert math.sqrt(spread - mean**2) == pytest.approx(math.sqrt(height**2 + tilts), rel=0.06)
 
-    def test_the_surface_itself_is_as_thick_as_its_waves_are_high(self):
-        arrays = arrays_of(FLAT, 0.5, **self.OPTIONS)
-        calm = ghost(sweep.trace, arrays, self.POSE, 18.0, "surface_echo")[0, 0]
-        blown = ghost(sweep.trace, arrays, self.POSE, 18.0, "surface_echo", wind_speed=6.0)[0, 0]
-        r = (np.arange(4500) + 0.5) * 0.01
-        mean = (blown * r).sum() / blown.sum()
-        assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
-        high = RoughSurface(wind_speed=6.0).rms_height
-        assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(high, rel=0.15)
+def test_the_surface_itself_is_as_thick_as_its_waves_are_high():
+    arrays = arrays_of(FLAT, 0.5, **OPTIONS)
+    calm = ghost(sweep.trace, arrays, POSE, 18.0, "surface_echo")[0, 0]
+    blown = ghost(sweep.trace, arrays, POSE, 18.0, "surface_echo", wind_speed=6.0)[0, 0]
+    r = (np.arange(4500) + 0.5) * 0.01
+    mean = (blown * r).sum() / blown.sum()
+    assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
+    high = RoughSurface(wind_speed=6.0).rms_height
+    assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(high, rel=0.15)
 
-    def test_a_breath_of_wind_is_next_to_a_calm(self):
-        arrays = arrays_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
-        for way in BOTTOM_WAYS:
-            calm = ghost(sweep.trace, arrays, self.POSE, 18.0, way)
-            breath = ghost(sweep.trace, arrays, self.POSE, 18.0, way, wind_speed=0.05)
-            assert np.abs(np.cumsum(breath - calm, axis=-1)).max() < 0.02 * calm.max()
 
-    def test_sweep_and_rays_smear_alike(self):
-        arrays = arrays_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
-        for way in BOTTOM_WAYS:
-            ours = ghost(sweep.trace, arrays, self.POSE, 18.0, way, wind_speed=6.0)
-            right = ghost(TRACERS["rays"], arrays, self.POSE, 18.0, way, wind_speed=6.0)
-            coarse = (1, 2, 90, 50)
-            one, other = ours.reshape(coarse).sum(axis=-1), right.reshape(coarse).sum(axis=-1)
-            assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
+def test_a_breath_of_wind_is_next_to_a_calm():
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, **OPTIONS)
+    for way in BOTTOM_WAYS:
+        calm = ghost(sweep.trace, arrays, POSE, 18.0, way)
+        breath = ghost(sweep.trace, arrays, POSE, 18.0, way, wind_speed=0.05)
+        assert np.abs(np.cumsum(breath - calm, axis=-1)).max() < 0.02 * calm.max()
 
-    def test_waves_are_as_high_and_as_steep_as_measured(self):
-        """Significant height of a fully developed sea (Pierson and Moskowitz); slopes of Cox and Munk (1954)."""
-        assert 4.0 * RoughSurface(wind_speed=10.0).rms_height == pytest.approx(0.0213 * 10.0**2, rel=0.01)
-        for wind in (4.0, 5.0):
-            assert 2.0 * RoughSurface(wind_speed=wind).slope_variance == pytest.approx(0.003 + 0.00512 * wind, rel=0.15)
-        assert RoughSurface(wind_speed=0.0).slope_variance == 0.0
-        assert RoughSurface(wind_speed=0.1).slope_variance < 1e-5
+
+def test_sweep_and_rays_smear_alike():
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, **OPTIONS)
+    for way in BOTTOM_WAYS:
+        ours = ghost(sweep.trace, arrays, POSE, 18.0, way, wind_speed=6.0)
+        right = ghost(TRACERS["rays"], arrays, POSE, 18.0, way, wind_speed=6.0)
+        coarse = (1, 2, 90, 50)
+        one, other = ours.reshape(coarse).sum(axis=-1), right.reshape(coarse).sum(axis=-1)
+        assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
+
+
+def test_waves_are_as_high_and_as_steep_as_measured():
+    """Significant height of a fully developed sea (Pierson and Moskowitz); slopes of Cox and Munk (1954)."""
+    assert 4.0 * RoughSurface(wind_speed=10.0).rms_height == pytest.approx(0.0213 * 10.0**2, rel=0.01)
+    for wind in (4.0, 5.0):
+        assert 2.0 * RoughSurface(wind_speed=wind).slope_variance == pytest.approx(0.003 + 0.00512 * wind, rel=0.15)
+    assert RoughSurface(wind_speed=0.0).slope_variance == 0.0
+    assert RoughSurface(wind_speed=0.1).slope_variance < 1e-5
 
 
 def test_the_march_hears_the_same_ghosts():

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import brute_force
-from beds import arrays_of, box_mesh, poses_of, rough
+from beds import arrays_of, box_mesh, pipe_edges, poses_of, rough
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import empty_labels
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
@@ -132,9 +133,11 @@ def test_shares_are_those_of_records_by_rays(beam):
     assert abs(difference.mean()) < 0.001
 
 
-def test_shares_by_rays_along_arcs_are_those_of_the_sweep():
+@pytest.mark.parametrize(("rms", "spacing", "turned"), [(0.25, 0.25, 3.5), (0.1, 0.5, 2.0)])
+def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
     water = water_about(12.0, [0.0, 4.0, 8.0, 54.0], [1490.0, 1490.0, 1494.0, 1495.0])
-    arrays = arrays_of(**ROUGH, solids=SOLIDS[:2], half_width=0.02)._replace(water=water)
+    bed = ROUGH | {"heights": rough(128, 128, rms), "spacing": spacing}
+    arrays = arrays_of(**bed, solids=SOLIDS[:2], half_width=0.02)._replace(water=water)
     poses = poses_of([0.0, 0.4], 0.0, 12.0)
     swept = trace_labels(arrays, poses, planes=64)
     table, shadows = empty_contributor_table(3, 400), empty_shadow_table(2, 400)
@@ -142,8 +145,15 @@ def test_shares_by_rays_along_arcs_are_those_of_the_sweep():
     label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, table, shadows, found)
     assert (swept.shadow[:, 0] > 0.5).sum() > 30
     assert np.sqrt(np.mean((found.shadow - swept.shadow) ** 2)) < 0.03
+    assert (np.abs(found.shadow - swept.shadow) < 0.05).mean() > 0.98
     both = (found.shadow > 0.05) & (swept.shadow > 0.05)
     assert (found.shadow_id == swept.shadow_id)[both].mean() > 0.99
+    target = np.where(found.contributor == NO_PRIMITIVE, -2, found.contributor - 1)
+    assert (target == swept.target_id).mean() > 0.98
+    assert {-2, -1, 0, 1} == set(swept.target_id.ravel())
+    same = (target == swept.target_id) & (target != -2)
+    assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
+    assert np.quantile(np.abs(np.degrees(found.incidence) - swept.incidence)[same], 0.5) < turned
 
 
 def test_a_ball_in_a_gaussian_beam_has_a_shadow_in_its_record():
@@ -161,8 +171,7 @@ def test_a_ball_in_a_gaussian_beam_has_a_shadow_in_its_record():
     record = simulate(scene, truth=True).sel(channel="port")
     r = record.slant_range.values
     ping = int(np.argmin(np.abs(record.platform_x.values - 20.0)))
-    angle, half = math.atan2(9.5, 20.0), math.asin(0.5 / math.hypot(20.0, 9.5))
-    begins, ends = 10.0 / math.sin(angle + half), 10.0 / math.sin(angle - half)
+    _, _, begins, ends = pipe_edges(0.0, altitude=10.0, offset=20.0)
     share, whose = record.shadow.values[ping], record.shadow_id.values[ping]
     inside = (r > begins + 0.2) & (r < ends - 0.2)
     assert share[inside].mean() > 0.9
@@ -183,8 +192,3 @@ def test_bed_hidden_by_bed_is_no_shadow_of_a_target():
     assert not found.shadow.any()
     dark = np.s_[0, 0, int(math.hypot(8.0, 6.0) / 0.05) : int(math.hypot(21.0, 6.0) / 0.05)]
     assert (found.target_id[dark] == -2).all()
-
-
-def test_mute_bed_has_no_shadow():
-    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[BALL], reflectivity=[(0.0, 0.0, 1.0)])
-    assert not trace_labels(arrays, poses_of(0.0, 0.0, ALTITUDE)).shadow.any()

@@ -4,7 +4,7 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QWidget
 
 from insonify_viewer.viewer import Viewer
 from soak.actions import Random
@@ -21,6 +21,12 @@ def rows(viewer: Viewer, kind: type) -> list[Any]:
 
 def pick(entries: list[Any], random: Random) -> Any:
     return entries[random.integers(len(entries))] if entries else None
+
+
+def choose_entry(box: QComboBox, random: Random) -> None:
+    index = int(random.integers(box.count()))
+    box.setCurrentIndex(index)
+    box.activated.emit(index)
 
 
 def mouse(widget: QWidget, kind: QEvent.Type, x: float, y: float, button: Qt.MouseButton) -> None:

@@ -180,7 +180,6 @@ def _rests(place: str) -> bool:
 
 
 def say(line: str) -> None:
-    """Write a line."""
     sys.stdout.write(f"{line}\n")
     sys.stdout.flush()
 

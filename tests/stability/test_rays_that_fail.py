@@ -11,7 +11,7 @@ from insonify.accuracy.stability.themes.refraction import exact_time
 from insonify.acoustics.paths import eigenrays
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
-from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
+from insonify.kernels.refraction.eigenray_search import ANGLE
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
 from insonify.scene.water import AnyWater
@@ -121,9 +121,11 @@ def test_a_trapped_ray_ends(degrees):
     assert ends[0] in (AT_RANGE, TRAPPED)
     assert ends[0] == AT_RANGE or degrees in (1e-9, 1e-3)
     assert np.isfinite(points.z[0, 0])
-    found = join_points(water, -30.0, -30.0, 500.0, -60.0, 0.0, 0)
-    assert np.isfinite(found).all()
-    assert (np.diff(found[:, ANGLE]) >= 0.0).all()
+    for x, least in ((500.0, 0), (100.0, 50)):  # rays without end, of which some are found
+        found = join_points(water, -30.0, -30.0, x, -60.0, 0.0, 0)
+        assert len(found) > least
+        assert np.isfinite(found).all()
+        assert (np.diff(found[:, ANGLE]) >= 0.0).all()
 
 
 def test_a_vertical_ray_without_end_is_said_to_get_nowhere():
@@ -180,15 +182,6 @@ def test_a_tube_at_a_jump_of_the_gradient_met_flatly_is_capped_and_said_to_be():
     assert not shot(water, 40.0, -critical - 1e-3, x_end=600.0)[1].grazed
 
 
-def test_on_a_caustic_spreading_is_endless_and_no_error():
-    fields = {"kind": "profile", "depth": [0, 10, 20, 60], "sound_speed": [1520, 1520, 1500, 1500]}
-    water = TypeAdapter(AnyWater).validate_python(fields)
-    nearest = 4.0 * math.sqrt(5.0 * 1500.0 / 2.0)
-    rays = insonify.eigenrays(water, 25.0, nearest + 1e-9, 25.0)
-    assert (rays.intensity > 0.0).all()
-    assert not np.isnan(rays.intensity).any()
-
-
 def test_in_a_shadow_zone_there_is_no_ray():
     water = layers([0, 40], [1500, 1480])
     assert len(join_points(water_of(*water), -10.0, -40.0, 800.0, -40.0, 0.0, 0)) == 0
@@ -234,12 +227,6 @@ def test_a_steep_thermocline_keeps_speeds_and_rays_in_bounds(interpolation):
     rays = insonify.eigenrays(water, 20.0, 150.0, 25.0, bottom=60.0)
     assert rays.sizes["eigenray"] >= 1
     assert (rays.time * 1500.0 > 150.0).all()
-
-
-def test_a_duct_without_end_of_eigenrays_gives_some_and_ends():
-    found = join_points(water_of(*layers([0, 30, 60], [1530, 1500, 1530])), -30.0, -30.0, 100.0, -60.0, 0.0, 0)
-    assert len(found) > 50
-    assert np.isfinite(found[:, TIME]).all()
 
 
 def test_a_ray_between_two_mirrors_ends():

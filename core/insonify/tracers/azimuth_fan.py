@@ -27,12 +27,15 @@ from insonify.tracers.target_planes import (
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
-# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ.
-FORESHORTENED = 0.1
+# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ. This misplaces targets by half
+# of FORESHORTENED half widths or so, which more than STRETCHED planes would show: for these the share is smaller.
+FORESHORTENED, STRETCHED = 0.1, 4
 SPLAY = 0.4  # share of FORESHORTENED by which inner planes lie farther out than equal parts of the half width
 # Growth of an outer sector from its beginning to its end, as a share: of the first sector, and at most. Sectors widen
 # outwards, by which factor for few planes and for many: those near the bow reach few bins, and each costs a plane.
-OUTER_GROWTH, MOST_GROWTH, WIDENING, LEAST_WIDENING = 0.4, 2.5, 1.5, 1.1
+OUTER_GROWTH, MOST_GROWTH, WIDENING, LEAST_WIDENING = 0.25, 2.5, 1.5, 1.1
+# Share of an outer sector's width by which its plane lies inwards of its middle: at most ranges it is filled in part.
+INWARDS = 0.25
 # Nearer than twice the altitude planes may lie farther apart, since a bin holds more of the bed there: up to this
 # share of their number times their spacing.
 COARSER = 0.2
@@ -143,7 +146,7 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
         return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
     rough = min(FEW / planes, 1.0)
-    level = 1.0 - FORESHORTENED * rough * rough
+    level = 1.0 - FORESHORTENED * rough * min(STRETCHED / planes, 1.0)
     near_field = EVERYWHERE if divided else level / math.sqrt(1.0 - level * level)
     splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
     # Sectors on one side; of an odd number of planes the first is halved, and stands for both halves.
@@ -160,7 +163,7 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
     # A little farther: the segment that crosses the border counts by its middle.
     outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + TRANSITION) * near_field)
     columns = (
-        0.5 * (azimuths[:-1] + azimuths[1:]),
+        azimuths[:-1] + np.where(is_inner, 0.5, 0.5 - INWARDS * rough) * np.diff(azimuths),
         low,
         high,
         np.diff(azimuths),

@@ -26,7 +26,7 @@ SOURCES = {
     "kernels/sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef far(x):\n    return user.user(x)\n",
     "kernels/rays/other.py": "import math\n\n\ndef other(x):\n    return math.sqrt(x)\n",
 }
-IMPORTERS = {"kernels.common.base", "kernels.sweep.user", "kernels.sweep.indirect"}
+BASE, IMPORTERS = "kernels/common/base.py", {"kernels.sweep.user", "kernels.sweep.indirect"}
 
 # One small kernel, compiled or read in a process of its own.
 USE = """
@@ -54,28 +54,23 @@ def digests_of(folder: Path, sources: dict[str, str]) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("path", "text", "changed"),
     [
-        '"""Another word."""\n\n\ndef base(x):\n    """Return the argument."""\n    return x\n',
-        '"""Base."""\n\n\n# A comment.\n\n\ndef base(x):\n    """Return x."""\n    return x  # as it is\n',
-        "def base(x):\n    return x\n",
+        # Docstrings, comments and line numbers leave digests alone.
+        (BASE, '"""Another word."""\n\n\ndef base(x):\n    """Return the argument."""\n    return x\n', set()),
+        (BASE, '"""Base."""\n\n\n# Comment.\n\n\ndef base(x):\n    """Return x."""\n    return x  # as it is\n', set()),
+        (BASE, "def base(x):\n    return x\n", set()),
+        # Code changes those of its module and of its importers.
+        (BASE, "def base(x):\n    return x + 0.0\n", {"kernels.common.base"} | IMPORTERS),
+        ("kernels/sweep/user.py", SOURCES["kernels/sweep/user.py"].replace("base(x)\n", "base(x) + 1\n"), IMPORTERS),
     ],
 )
-def test_docstrings_comments_and_line_numbers_leave_digests_alone(tmp_path: Path, text: str) -> None:
-    assert digests_of(tmp_path, SOURCES) == digests_of(tmp_path, SOURCES | {"kernels/common/base.py": text})
-
-
-def test_a_change_of_code_changes_digests_of_the_module_and_of_its_importers_only(tmp_path: Path) -> None:
+def test_digests_follow_the_code_of_a_module_and_of_what_it_imports(
+    tmp_path: Path, path: str, text: str, changed: set[str]
+) -> None:
     before = digests_of(tmp_path, SOURCES)
-    after = digests_of(tmp_path, SOURCES | {"kernels/common/base.py": "def base(x):\n    return x + 0.0\n"})
-    assert {name for name in before if before[name] != after[name]} == IMPORTERS
-
-
-def test_a_change_of_an_importer_leaves_what_it_imports_alone(tmp_path: Path) -> None:
-    before = digests_of(tmp_path, SOURCES)
-    changed = SOURCES["kernels/sweep/user.py"].replace("base(x)\n", "base(x) + 1\n")
-    after = digests_of(tmp_path, SOURCES | {"kernels/sweep/user.py": changed})
-    assert {name for name in before if before[name] != after[name]} == {"kernels.sweep.user", "kernels.sweep.indirect"}
+    after = digests_of(tmp_path, SOURCES | {path: text})
+    assert {name for name in before if before[name] != after[name]} == changed
 
 
 def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path: Path) -> None:

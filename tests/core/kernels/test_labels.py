@@ -19,7 +19,6 @@ NARROW = math.radians(0.5)
 
 
 def both(arrays, poses, planes=4):
-    """Record and truth by as many planes."""
     return sweep.trace(arrays, poses, planes=planes), trace_labels(arrays, poses, planes=planes)
 
 
@@ -127,7 +126,8 @@ def test_patches_are_told_by_their_index():
 
 
 def test_a_mute_bed_in_sight_is_no_shadow_nor_is_where_there_is_no_bed():
-    arrays = arrays_of(FLAT, 0.1, periodic=True, reflectivity=[(0.0, 0.0, 1.0)])
+    ball = ((0.0, 20.0, 0.5), 0.5)
+    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[ball], reflectivity=[(0.0, 0.0, 1.0)])
     _, truth = both(arrays, poses_of(0.0, 0.0, ALTITUDE))
     assert (truth.target_id == -2).all()
     assert not truth.shadow.any()

@@ -1,5 +1,6 @@
 """Lessons: reading, the check of each, the command, their figures; and conditions, of which nothing runs as code."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -267,53 +268,48 @@ def test_expressions_call_quantities_and_read_values_before_the_move(text: str, 
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("altitude(", "a value is missing"),
-        ("altitude(1)", "altitude has 1 values; it takes 0"),
-        ("slant_range(1)", "slant_range has 1 values; it takes 2"),
-        ("before()", "before has 0 values; it takes 1"),
-        ("eval(1)", "is not expected here"),
-        ("sqrt(1", "not closed"),
-        ("sqrt(" * 1000, "characters"),
-        ("sqrt(" * 150, "nested"),
-        ("sonar.range > 1", "is a comparison where a number is needed"),
-        ("1, 2", "is not expected here"),
-    ],
-)
-def test_a_fault_of_an_expression_is_one_sentence(text: str, told: str) -> None:
-    with pytest.raises(SceneError) as caught:
-        parse_expression(text)
-    assert told in str(caught.value)
-
-
 def test_the_fields_are_told_once_each() -> None:
     condition = parse_condition("sonar.range > 1 and (sonar.bins < 3 or sonar.range < true)")
     assert condition.fields == ("sonar.range", "sonar.bins")
 
 
+FAULTY_EXPRESSIONS = [
+    ("altitude(", "a value is missing"),
+    ("altitude(1)", "altitude has 1 values; it takes 0"),
+    ("slant_range(1)", "slant_range has 1 values; it takes 2"),
+    ("before()", "before has 0 values; it takes 1"),
+    ("eval(1)", "is not expected here"),
+    ("sqrt(1", "not closed"),
+    ("sqrt(" * 1000, "characters"),
+    ("sqrt(" * 150, "nested"),
+    ("sonar.range > 1", "is a comparison where a number is needed"),
+    ("1, 2", "is not expected here"),
+]
+FAULTY_CONDITIONS = [
+    ("", "a value is missing"),
+    ("sonar.range", "contains no comparison"),
+    ("sonar.range >", "a value is missing"),
+    ("sonar.range > 1 sonar.bins", "is not expected here"),
+    ("1 < sonar.range < 3", "is not expected here"),
+    ("(sonar.range > 1", "not closed"),
+    ("sonar.range = 1", "'=' is not understood"),
+    ("sonar.range > 1;", "';' is not understood"),
+    ("and > 1", "a value is missing"),
+    ("__import__('os') == 1", "is not expected here"),
+    ("sonar.range > [1]", "is not understood"),
+    ("(" * 1000, "nested"),
+    ("x > 1 and " * 200, "characters"),
+]
+
+
 @pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("", "a value is missing"),
-        ("sonar.range", "contains no comparison"),
-        ("sonar.range >", "a value is missing"),
-        ("sonar.range > 1 sonar.bins", "is not expected here"),
-        ("1 < sonar.range < 3", "is not expected here"),
-        ("(sonar.range > 1", "not closed"),
-        ("sonar.range = 1", "'=' is not understood"),
-        ("sonar.range > 1;", "';' is not understood"),
-        ("and > 1", "a value is missing"),
-        ("__import__('os') == 1", "is not expected here"),
-        ("sonar.range > [1]", "is not understood"),
-        ("(" * 1000, "nested"),
-        ("x > 1 and " * 200, "characters"),
-    ],
+    ("parse", "text", "told"),
+    [(parse_expression, *each) for each in FAULTY_EXPRESSIONS]
+    + [(parse_condition, *each) for each in FAULTY_CONDITIONS],
 )
-def test_a_fault_is_one_sentence(text: str, told: str) -> None:
+def test_a_fault_is_one_sentence(parse: Callable[[str], object], text: str, told: str) -> None:
     with pytest.raises(SceneError, match="condition") as caught:
-        parse_condition(text)
+        parse(text)
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
 

@@ -4,7 +4,7 @@ import json
 import math
 import re
 import time
-import tomllib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW
 from insonify.surveys.specification import read_specification
-from small_sets import SET, run_here
+from small_sets import SET, data_set, run_here
 
 BASE = load_scene("default")
 CHIPS = """
@@ -63,8 +63,7 @@ ground_range = { draw = "choice", of = [true, false] }
 """
 
 
-def specification(text=CHIPS, **changes):
-    return DatasetSpecification.model_validate({**tomllib.loads(text), **changes})
+specification = partial(data_set, CHIPS)
 
 
 def test_draws_within_a_choice_and_within_its_tables_are_drawn():
@@ -216,9 +215,9 @@ def test_a_mistake_is_told_before_the_first_job(tmp_path, capsys, old, new, faul
 
 
 def test_what_some_values_alone_make_impossible_is_left_to_the_jobs():
-    check_draws(specification(SET.replace("low = 5.0, high = 7.0", "low = 6.0, high = 40.0")), BASE)
+    check_draws(data_set(SET.replace("low = 5.0, high = 7.0", "low = 6.0, high = 40.0")), BASE)
     with pytest.raises(SceneError, match="ground range"):
-        check_draws(specification(SET.replace("low = 5.0, high = 7.0", "low = 23.0, high = 23.9"), negatives=0.0), BASE)
+        check_draws(data_set(SET.replace("low = 5.0, high = 7.0", "low = 23.0, high = 23.9"), negatives=0.0), BASE)
 
 
 def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):

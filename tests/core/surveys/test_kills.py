@@ -41,7 +41,6 @@ def driver(folder, workers=1, **options):
 
 
 def wait_for_jobs(folder, count, process):
-    """Wait until so many jobs are done."""
     while len(done_jobs(folder / "set")) < count and process.poll() is None:
         time.sleep(0.005)
 
@@ -60,7 +59,6 @@ def check_done(folder, undisturbed):
 
 
 def ended_workers(process):
-    """Wait until no process of the driver's group is left."""
     deadline = time.monotonic() + 120.0
     while time.monotonic() < deadline:
         try:
@@ -71,13 +69,8 @@ def ended_workers(process):
     return False
 
 
-def kill_and_go_on(folder, undisturbed, jobs):
-    process = driver(folder, workers=2)
-    wait_for_jobs(folder, jobs, process)
-    process.kill()
-    process.communicate(timeout=120)
-    assert ended_workers(process)
-    check_done(folder, undisturbed)
+def complete(folder, undisturbed):
+    """Let another run do the jobs that are missing."""
     done = done_jobs(folder / "set")
     assert run_here(*words(folder)) == 0
     assert done <= done_jobs(folder / "set")
@@ -88,7 +81,13 @@ def kill_and_go_on(folder, undisturbed, jobs):
 @pytest.mark.parametrize("jobs", range(12))
 @pytest.mark.parametrize("attempt", range(3))
 def test_a_driver_killed_at_any_time_loses_nothing(tmp_path, undisturbed, jobs, attempt):
-    kill_and_go_on(tmp_path, undisturbed, jobs)
+    process = driver(tmp_path, workers=2)
+    wait_for_jobs(tmp_path, jobs, process)
+    process.kill()
+    process.communicate(timeout=120)
+    assert ended_workers(process)
+    check_done(tmp_path, undisturbed)
+    complete(tmp_path, undisturbed)
 
 
 @pytest.mark.kill
@@ -146,10 +145,8 @@ def test_what_is_done_before_a_full_disk_a_kill_and_an_interrupt_is_kept_and_com
     check_done(tmp_path, undisturbed)
     for number in (signal.SIGKILL, signal.SIGINT):
         interrupt_and_check(tmp_path, undisturbed, number)
-    done = done_jobs(tmp_path / "set")
-    assert run_here(*words(tmp_path)) == 0
-    assert done < done_jobs(tmp_path / "set")
-    assert contents(tmp_path / "set") == undisturbed
+    assert len(done_jobs(tmp_path / "set")) < int(SCENES)
+    complete(tmp_path, undisturbed)
 
 
 @pytest.mark.kill
@@ -167,7 +164,6 @@ def test_a_disk_that_fills_up_loses_nothing(tmp_path, undisturbed, kilobytes):
         assert complaint.endswith("No space left on device; check the path, its permissions and the disk\n")
         check_done(tmp_path, undisturbed)
         subprocess.run([*mount[:3], "-o", "remount,size=64m", "tmpfs", str(tmp_path / "disk")], check=True)
-        assert run_here(*words(tmp_path)) == 0
-        assert contents(tmp_path / "set") == undisturbed
+        complete(tmp_path, undisturbed)
     finally:
         subprocess.run(["umount", str(tmp_path / "disk")], check=True)

@@ -27,10 +27,6 @@ SQUARE = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0)]
 BASE = load_scene("default")
 
 
-def specification(**changes) -> SurveySpecification:
-    return SurveySpecification.model_validate({**tomllib.loads(SURVEY), **changes})
-
-
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """A survey of three lines, made by the command on a worker."""
@@ -96,7 +92,7 @@ def test_every_line_without_turns_begins_with_a_ping():
 
 
 def test_records_are_those_of_one_scene(small):
-    work = SurveyWork(specification(), BASE, small).begun()
+    work = SurveyWork(SurveySpecification.model_validate(tomllib.loads(SURVEY)), BASE, small).begun()
     simulation = prepare(work.scene, plan=work.plan)
     for number, pings in enumerate(work.track.pings):
         record = read_record(str(small / "records" / f"line-{number + 1:04d}.nc"))
@@ -176,8 +172,9 @@ def test_a_survey_elsewhere_is_the_same_to_the_bit_and_can_be_moved(small, tmp_p
 
 
 def test_recorded_turns_are_in_the_records(tmp_path):
-    area = {**tomllib.loads(SURVEY)["area"], "turns": "in"}
-    work = SurveyWork(specification(area=area), BASE, tmp_path / "survey").begun()
+    values = tomllib.loads(SURVEY)
+    values["area"]["turns"] = "in"
+    work = SurveyWork(SurveySpecification.model_validate(values), BASE, tmp_path / "survey").begun()
     finish(work, work.names()[0])
     record = read_record(str(tmp_path / "survey" / "records" / "line-0001.nc"))
     heading = record["platform_heading"].values

@@ -11,7 +11,7 @@ from commands import refused
 from insonify import cli
 from insonify.io.object_store import folder_at
 from insonify.surveys.storages import Tile, WebDataset, ZarrStore
-from small_sets import contents, write_set
+from small_sets import contents, run_here, write_set
 
 
 @pytest.fixture(scope="module")
@@ -31,21 +31,20 @@ def store():
 
 
 def objects(store, prefix):
-    """Hash of every object, by its key below a prefix."""
     return {path.removeprefix(f"{prefix}/"): hashlib.sha256(store.cat(path)).hexdigest() for path in store.find(prefix)}
 
 
 def test_a_set_in_a_store_has_the_bytes_of_one_on_a_disk(store, tmp_path):
     path = write_set(tmp_path, scenes="2")
     command = ["dataset", str(path), "--scheduler", "local:1", "-o"]
-    assert cli.main([*command, str(tmp_path / "set")]) == 0
+    assert run_here(*command, str(tmp_path / "set")) == 0
     assert cli.main([*command, "s3://sets/small"]) == 0
     made = contents(tmp_path / "set")
     assert objects(store, "sets/small") == made
     # A job whose flag is lost is done again.
     store.rm(f"sets/small/{next(key for key in made if key.startswith('jobs/0'))}")
     store.rm("sets/small/contact-sheet.png")
-    assert cli.main([*command, "s3://sets/small"]) == 0
+    assert run_here(*command, "s3://sets/small") == 0
     assert objects(store, "sets/small") == made
 
 

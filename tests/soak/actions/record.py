@@ -6,7 +6,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS
 from soak.actions import Random, Steps, action
-from soak.input import LEFT, mouse, pick
+from soak.input import LEFT, choose_entry, mouse, pick
 
 
 @action(2.0)
@@ -15,10 +15,7 @@ def change_display(viewer: Viewer, random: Random) -> Steps:
     viewer.window.open_panel("record")
     view = viewer.panels["record"].view
     for _ in range(random.integers(1, 4)):
-        combo = pick([row.combo for row in view.choices.values() if row.combo.isEnabled()], random)
-        index = int(random.integers(combo.count()))
-        combo.setCurrentIndex(index)
-        combo.activated.emit(index)
+        choose_entry(pick([row.combo for row in view.choices.values() if row.combo.isEnabled()], random), random)
         yield float(random.choice([30.0, 300.0]))
     gain = pick(view.gains, random)
     gain.slider.setValue(int(random.integers(STEPS)))

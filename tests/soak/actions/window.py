@@ -1,8 +1,11 @@
 """Actions in the window itself: scenes, sliders, targets, the record, the 3-D view, plan, charts and files."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from PySide6.QtCore import QEvent
-from PySide6.QtWidgets import QComboBox, QTabBar
+from PySide6.QtWidgets import QTabBar
 from shiboken6 import isValid
 
 from insonify.scene import bundled_scenes
@@ -10,7 +13,7 @@ from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS, ChoiceRow, NumberRow
 from insonify_viewer.window.target_placement import target_menu
 from soak.actions import Random, Steps, action
-from soak.input import LEFT, NONE, mouse, pick, rows, wheel
+from soak.input import LEFT, NONE, choose_entry, mouse, pick, rows, wheel
 
 
 @action(3.0)
@@ -20,11 +23,23 @@ def open_bundled(viewer: Viewer, random: Random) -> Steps:
     yield float(random.choice([20.0, 500.0, 3000.0]))
 
 
-@action(2.0)
-def open_file(viewer: Viewer, random: Random) -> Steps:
-    window = viewer.window
-    (window.open_scene if random.random() < 0.6 else window.open_dem).trigger()
-    yield 300.0
+def give(weight: float, name: str, commands: Callable[[Any], list[Any]], most: int, waits: list[float]) -> None:
+    """Register an action: any of some commands of the window, up to so many at once, with a wait after each."""
+
+    def do(viewer: Viewer, random: Random) -> Steps:
+        for _ in range(random.integers(1, most + 1)):
+            pick(commands(viewer.window), random).trigger()
+            yield float(random.choice(waits))
+
+    do.__name__ = name
+    action(weight)(do)
+
+
+give(2.0, "open_file", lambda window: [window.open_scene, window.open_dem], 1, [300.0])
+give(3.0, "undo_and_redo", lambda window: [window.undo, window.undo, window.redo], 7, [5.0, 100.0])
+give(3.0, "pause_or_play", lambda window: [window.pause], 1, [50.0, 2000.0])
+give(0.7, "open_rays", lambda window: [window._buttons["water"]], 1, [100.0, 2000.0])
+give(0.7, "save", lambda window: [window.save.scene, window.save.record, window.save.picture], 1, [200.0])
 
 
 @action(8.0)
@@ -60,9 +75,7 @@ def type_value(viewer: Viewer, random: Random) -> Steps:
 def choose(viewer: Viewer, random: Random) -> Steps:
     row = pick(rows(viewer, ChoiceRow), random)
     if row is not None and row.combo.isEnabled():
-        index = int(random.integers(row.combo.count()))
-        row.combo.setCurrentIndex(index)
-        row.combo.activated.emit(index)
+        choose_entry(row.combo, random)
         yield 200.0
 
 
@@ -89,13 +102,6 @@ def remove_target(viewer: Viewer, random: Random) -> Steps:
         yield 50.0
 
 
-@action(3.0)
-def undo_and_redo(viewer: Viewer, random: Random) -> Steps:
-    for _ in range(random.integers(1, 8)):
-        (viewer.window.undo if random.random() < 0.6 else viewer.window.redo).trigger()
-        yield float(random.choice([5.0, 100.0]))
-
-
 @action(2.0)
 def edit_back_and_forth(viewer: Viewer, random: Random) -> Steps:
     """Edit, take it back and do it again: nothing of it may be lost."""
@@ -111,27 +117,15 @@ def edit_back_and_forth(viewer: Viewer, random: Random) -> Steps:
     yield 50.0
 
 
-@action(3.0)
-def pause_or_play(viewer: Viewer, random: Random) -> Steps:
-    viewer.window.pause.trigger()
-    yield float(random.choice([50.0, 2000.0]))
-
-
-def _choose_entry(box: QComboBox, random: Random) -> None:
-    index = int(random.integers(box.count()))
-    box.setCurrentIndex(index)
-    box.activated.emit(index)
-
-
 @action(1.0)
 def change_speed(viewer: Viewer, random: Random) -> Steps:
-    _choose_entry(viewer.window.speed, random)
+    choose_entry(viewer.window.speed, random)
     yield 200.0
 
 
 @action(1.0)
 def change_palette(viewer: Viewer, random: Random) -> Steps:
-    _choose_entry(viewer.window.palettes, random)
+    choose_entry(viewer.window.palettes, random)
     yield 30.0
 
 
@@ -216,13 +210,6 @@ def turn_tab(viewer: Viewer, random: Random) -> Steps:
 
 
 @action(0.7)
-def open_rays(viewer: Viewer, random: Random) -> Steps:
-    action = viewer.window._buttons["water"]
-    action.trigger()
-    yield float(random.choice([100.0, 2000.0]))
-
-
-@action(0.7)
 def force_choice(viewer: Viewer, random: Random) -> Steps:
     view = viewer.panels["plan"].view
     kind = random.integers(4)
@@ -245,13 +232,6 @@ def measure_chart(viewer: Viewer, random: Random) -> Steps:
     chart.stop.click()
     yield 100.0
     chart.close()
-
-
-@action(0.7)
-def save(viewer: Viewer, random: Random) -> Steps:
-    menu = viewer.window.save
-    pick([menu.scene, menu.record, menu.picture], random).trigger()
-    yield 200.0
 
 
 @action(0.5)
