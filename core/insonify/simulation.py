@@ -18,7 +18,7 @@ from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan
 from insonify.planning.selection import check_request, choose_model, keep_plan
-from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
+from insonify.receiver import Reception, Traced, assemble, prepare_setup, record_echoes
 from insonify.receiver.levels import Crosstalk
 from insonify.receiver.water_column import WaterColumn
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
@@ -246,7 +246,7 @@ def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation
         reduced=packed.reduce(plan.model),
         tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
         tracer=tracer,
-        reception=prepare_reception(packed.scene, packed.ground, arrays),
+        reception=assemble(prepare_setup(packed.scene, packed.ground, arrays)),
         threads=threads,
     )
 

@@ -1,7 +1,7 @@
 """Reports of contacts that leave the program: placemarks in KML, and pages with pictures in HTML and PDF."""
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import chain, repeat
 from pathlib import Path
 from textwrap import wrap
@@ -24,8 +24,12 @@ WIDEST = 58  # letters of a line beside a picture
 
 def write_report(path: Path, contacts: Sequence[Contact]) -> None:
     """Write a report of contacts, in their order, by the suffix of a file: ``.pdf``, ``.html`` or ``.kml``."""
-    writers: dict[str, Callable[[Path, Sequence[Contact]], None]] = {".kml": _write_kml, ".html": _write_page}
-    writers.get(path.suffix.lower(), _write_pdf)(path, contacts)
+    if path.suffix.lower() == ".html":
+        write_text(path, fill_page("contacts", contacts=list(map(_shown, contacts))))
+    elif path.suffix.lower() == ".kml":
+        _write_kml(path, contacts)
+    else:
+        _write_pdf(path, contacts)
 
 
 def describe_contact(contact: Contact) -> dict[str, str]:
@@ -59,11 +63,6 @@ def _write_kml(path: Path, contacts: Sequence[Contact]) -> None:
         point = ElementTree.SubElement(mark, "Point")
         ElementTree.SubElement(point, "coordinates").text = f"{contact.longitude!r},{contact.latitude!r},0"
     write_text(path, ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n")
-
-
-def _write_page(path: Path, contacts: Sequence[Contact]) -> None:
-    """Write contacts as a page."""
-    write_text(path, fill_page("contacts", contacts=list(map(_shown, contacts))))
 
 
 def _shown(contact: Contact) -> dict[str, Any]:

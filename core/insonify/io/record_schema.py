@@ -122,11 +122,6 @@ def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]
     return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | found
 
 
-def dimensions_of(name: str) -> tuple[str, ...] | None:
-    """Return the dimensions of a variable of `target_variables` by its name, None for any other."""
-    return (name,) if name in BOX else TARGET_TRUTH[name][0] if name in TARGET_TRUTH else None
-
-
 def _count_from(first: int, *meanings: str) -> dict[int, str]:
     """Give meanings successive numbers."""
     return dict(enumerate(meanings, first))

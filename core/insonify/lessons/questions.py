@@ -97,10 +97,8 @@ def read_number(text: str) -> float | None:
 
 def judge(ask: Ask, answer: int | float | None, reader: Reader) -> Verdict | None:
     """Judge the place of a choice, a number, or None for "I don't know"; None if the scene lacks the right number."""
-    return _judge_choice(ask, answer) if ask.choices else _judge_number(ask, answer, reader)
-
-
-def _judge_choice(ask: Ask, answer: int | float | None) -> Verdict:
+    if not ask.choices:
+        return _judge_number(ask, answer, reader)
     right = next(choice for choice in ask.choices if choice.right)
     if answer is None:
         return Verdict(Grade.UNKNOWN, right.text)

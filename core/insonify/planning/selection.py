@@ -126,7 +126,7 @@ class _Errors:
         """Error of a model's setting of one choice."""
         key = choice.subject, choice.measured_with(model), model.method
         if key not in self._known:
-            finest = choice.is_finest(self._case, model)
+            finest = getattr(model, choice.field) == choice.settings(self._case, model)[-1]
             self._known[key] = 0.0 if finest else choice.error(self._case, model)
         return self._known[key]
 

@@ -62,7 +62,8 @@ class Crosstalk(Stage):
     def act_on_waves(self, sound: Sound) -> None:
         """Add to each side the other's waves, those of the water column included."""
         sound.draw_background(self.field)
-        sound.waves.leak(self.share)
+        for part in (sound.waves.real, sound.waves.imaginary):
+            part += np.float32(np.sqrt(self.share)) * part[:, ::-1]
 
 
 @dataclass(frozen=True, eq=False)

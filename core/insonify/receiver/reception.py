@@ -16,7 +16,7 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.parallel import in_parallel
 from insonify.receiver.speckle import Speckle
 from insonify.receiver.stage import DETECTION, PHASES, ReceiverSetup, Sound, Stage, Traced, spread_echoes, stage_kinds
-from insonify.receiver.waves import WaveField, no_waves, steady_waves
+from insonify.receiver.waves import WaveField, Waves, no_waves
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 from insonify.tow.poses import bed_beneath, make_poses
@@ -81,11 +81,6 @@ class Reception:
         return mean
 
 
-def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
-    """Prepare the receiver of a scene for the height of its first ping."""
-    return assemble(prepare_setup(scene, ground, arrays))
-
-
 def prepare_setup(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> ReceiverSetup:
     """Gather what the stages of a receiver are prepared from, for the height of a scene's first ping."""
     first = np.zeros(1, dtype=np.int64)
@@ -139,7 +134,7 @@ def receive(reception: Reception, traced: Traced, pings: Integers, divided: Trac
     else:
         sound.apply_factors()
         if sound.background is not None:
-            sound.waves = steady_waves(sound.energy)
+            sound.waves = Waves(np.sqrt(sound.energy), np.zeros_like(sound.energy))  # all of one phase
             sound.energy = np.zeros((pings.size, 2, reception.bins), np.float32)
             sound.draw_background(reception.background_field)
             sound.waves.detect_into(sound.energy)

@@ -17,7 +17,7 @@ from insonify.arrays import Complexes, Floats, Integers, Singles
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.plugins import extensions
-from insonify.receiver.waves import WaveField, Waves, make_field, no_waves, split_waves
+from insonify.receiver.waves import WaveField, Waves, make_field, no_waves
 from insonify.scene import Scene, SceneError
 from insonify.scene.receiver.noises import NoiseConditions
 from insonify.scene.seabed.materials.catalogue import Reflectivity
@@ -185,7 +185,8 @@ class Sound:
     def split_traced(self) -> None:
         """Make waves of the traced scatterers, with all factors applied."""
         if self.traced is not None:
-            self.waves = split_waves(self.traced * np.sqrt(self.take_level()))
+            waves = self.traced * np.sqrt(self.take_level())
+            self.waves = Waves(*(np.ascontiguousarray(part, dtype=np.float32) for part in (waves.real, waves.imag)))
             self.traced = None
 
     def add_background(self, energy: Singles) -> None:

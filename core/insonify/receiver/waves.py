@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.arrays import Floats, Integers, Reals, Singles
 from insonify.kernels.speckle.random_fields import (
@@ -34,11 +33,6 @@ class Waves:
         np.add(self.real, amplitude * np.cos(phase), out=self.real)
         np.add(self.imaginary, amplitude * np.sin(phase), out=self.imaginary)
 
-    def leak(self, share: float) -> None:
-        """Add to each side the other side's waves, with a share of their energy."""
-        for part in (self.real, self.imaginary):
-            part += np.float32(np.sqrt(share)) * part[:, ::-1]
-
     def detect_into(self, record: Singles, share: float = 1.0) -> None:
         """Add a share of the energy of every bin, the mean over its samples, to a record (n, 2, bins)."""
         add_detected(self.real, self.imaginary, self.real.shape[2] // record.shape[2], np.float32(share), record)
@@ -47,16 +41,6 @@ class Waves:
 def no_waves(pings: int, columns: int) -> Waves:
     """Waves of amplitude 0."""
     return Waves(*np.zeros((2, pings, 2, columns), np.float32))
-
-
-def steady_waves(energy: Singles) -> Waves:
-    """Waves of given energies, all of one phase."""
-    return Waves(np.sqrt(energy), np.zeros_like(energy))
-
-
-def split_waves(traced: NDArray[np.inexact]) -> Waves:
-    """Waves of complex amplitudes."""
-    return Waves(*(np.ascontiguousarray(part, dtype=np.float32) for part in (traced.real, traced.imag)))
 
 
 @dataclass(frozen=True, eq=False)

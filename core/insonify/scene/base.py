@@ -44,7 +44,7 @@ class Family:
         self.name, self.package = name, package
         self._models: dict[str, type[Declaration]] = {}
         self._discovered = False
-        self._used: set[type[Declaration]] = set()
+        self.used: set[type[Declaration]] = set()  # bases that fields accept: a later kind of them rebuilds the fields
 
     def add(self, model: type["Declaration"]) -> None:
         """Add a kind. A declaration of this family is added when its class is created."""
@@ -52,27 +52,18 @@ class Family:
         if kind is None:
             return
         self._models[kind] = model
-        if self._discovered and issubclass(model, tuple(self._used)):
+        if self._discovered and issubclass(model, tuple(self.used)):
             rebuild_declarations()
 
     def models(self, base: type[Model]) -> dict[str, type[Model]]:
         """Return the kinds that derive from a class, by name, sorted by rank."""
-        self._discover()
+        if not self._discovered:
+            # A kind that contains others of its family needs them while its own module is being imported: the other
+            # modules are then imported first, and the outer loop has nothing left to do.
+            extensions(self.package, f"insonify.{self.name}")  # classes add themselves
+            self._discovered = True
         found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
         return {kind: model for kind, model in found if issubclass(model, base)}
-
-    def use(self, base: type["Declaration"]) -> None:
-        """Record that a field accepts the kinds that derive from a class: a later one of these rebuilds the field."""
-        self._used.add(base)
-
-    def _discover(self) -> None:
-        """Import the package's modules and the entry points; classes add themselves."""
-        if self._discovered:
-            return
-        # A kind that contains others of its family needs them while its own module is being imported: the other
-        # modules are then imported first, and the outer loop has nothing left to do.
-        extensions(self.package, f"insonify.{self.name}")
-        self._discovered = True
 
 
 class Declaration(BaseModel):
@@ -200,7 +191,7 @@ class KindOf:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Accept every kind of the family."""
         choices = {str(kind_name(model)): handler.generate_schema(model) for model in self.models}
-        self.family.use(self.base)
+        self.family.used.add(self.base)
         schema = core_schema.tagged_union_schema(choices, discriminator=self.kind)
         if not self.optional:
             return schema

@@ -84,15 +84,11 @@ class Scene(Declaration):
         return description
 
     @model_validator(mode="after")
-    def _ping_rate_fits_the_range(self) -> Self:
+    def _pings_and_slices_fit(self) -> Self:
         # The speed of other waters is known only after they are built.
         if self.water.only_speed is not None:
             self.sonar.check_ping_rate(self.water.only_speed)
             self.sonar.check_pulse_length(self.water.only_speed)
-        return self
-
-    @model_validator(mode="after")
-    def _slices_fit_in_memory(self) -> Self:
         # The spacing of a DEM is known only after it is read.
         if not self.seabed.relief.measured:
             self.check_slice_length(self.seabed.spacing)
@@ -122,28 +118,23 @@ class Scene(Declaration):
         return self
 
     @model_validator(mode="after")
-    def _law_models_the_effects(self) -> Self:
-        if self.sonar.law != "light":
-            return self
-        if self.receiver.reverberation.echoes:
+    def _law_and_beam_model_the_effects(self) -> Self:
+        is_light = self.sonar.law == "light"
+        if is_light and self.receiver.reverberation.echoes:
             raise ValueError(
                 f"receiver.reverberation {self.receiver.reverberation.kind!r} is scattered by water and surface, which "
                 "sonar.law 'light' does not model; use law 'sonar' or remove the reverberation"
             )
-        if self.volumes:
+        if is_light and self.volumes:
             raise ValueError(
                 f"volumes: a {self.volumes[0].kind} scatters sound throughout, which sonar.law 'light' does not model; "
                 "use law 'sonar' or remove the volumes"
             )
-        if self.receiver.speckle.interferes:
+        if is_light and self.receiver.speckle.interferes:
             raise ValueError(
                 "receiver.speckle 'coherent' sums waves, which sonar.law 'light' does not model; "
                 "use law 'sonar' or another speckle"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _interfering_scatterers_need_a_beam(self) -> Self:
         if self.receiver.speckle.interferes and not self.sonar.beam.has_width:
             raise ValueError(
                 "receiver.speckle 'coherent' sums the scatterers within the beam, and sonar.beam 'knife' has no width; "

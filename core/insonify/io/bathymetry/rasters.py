@@ -33,7 +33,15 @@ def read_raster(path: str) -> Grid:
 def read_with_gdal(path: str) -> Grid:
     """Read a raster in this process, which GDAL may crash."""
     with _open(path) as raster:
-        return _read(path, raster)
+        check_size(raster.shape)
+        check_expansion(path, raster.width * raster.height * HEIGHT)
+        check_type(np.dtype(raster.dtypes[ELEVATION - 1]))
+        if raster.crs is None or not raster.crs.is_geographic:
+            return _read_metres(raster, _is_depth(raster))
+        with _projected(raster) as metric:
+            check_size(metric.shape)
+            check_expansion(path, metric.width * metric.height * HEIGHT)
+            return _read_metres(metric, _is_depth(raster))
 
 
 def _open(path: str) -> Any:
@@ -47,18 +55,6 @@ def _open(path: str) -> Any:
         return raster
     raster.close()
     return rasterio.open(path, driver=driver, MODE="RESAMPLED_GRID", RES_STRATEGY="MIN")
-
-
-def _read(path: str, raster: Any) -> Grid:
-    check_size(raster.shape)
-    check_expansion(path, raster.width * raster.height * HEIGHT)
-    check_type(np.dtype(raster.dtypes[ELEVATION - 1]))
-    if raster.crs is not None and raster.crs.is_geographic:
-        with _projected(raster) as metric:
-            check_size(metric.shape)
-            check_expansion(path, metric.width * metric.height * HEIGHT)
-            return _read_metres(metric, _is_depth(raster))
-    return _read_metres(raster, _is_depth(raster))
 
 
 def _projected(raster: Any) -> Any:

@@ -12,7 +12,7 @@ from insonify.arrays import Dataset
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import ACROSS, TARGET_TRUTH, dimensions_of
+from insonify.io.record_schema import ACROSS, BOX, TARGET_TRUTH
 
 ALONG = "ping_time"
 ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
@@ -69,9 +69,10 @@ def read_npz(path: str | Path) -> Dataset:
 
 def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:
     """Name the dimensions of an array, which an archive does not keep, by its name or by its number of dimensions."""
-    known = (name,) if name in sizes else dimensions_of(name)
-    if known is not None:
-        return known
+    if name in TARGET_TRUTH:
+        return TARGET_TRUTH[name][0]
+    if name in (*sizes, *BOX):
+        return (name,)
     if len(shape) == len(ACROSS):
         return ACROSS
     across = ("range_sample",) if name in ALONG_RANGE else ("ping_time",)

@@ -195,10 +195,6 @@ class Choice(ABC):
         values, value = self.settings(case, model), getattr(last, self.field)
         return value if value in values else values[-1]
 
-    def is_finest(self, case: Case, model: Model) -> bool:
-        """Whether no setting of this choice errs less than a model's."""
-        return bool(getattr(model, self.field) == self.settings(case, model)[-1])
-
     def measured_with(self, model: Model) -> Any:
         """Return the settings of a model on which the error of this choice depends: its own."""
         return getattr(model, self.field)

@@ -42,7 +42,7 @@ class SpeckleKind(Kind):
     @property
     def scatterer_density(self) -> float | None:
         """Scatterers per square metre, of speckle that interferes; None to let the tracer choose."""
-        return None
+        return getattr(self, "density", None)
 
 
 class NoSpeckle(SpeckleKind, kind="none", rank=10):
@@ -103,8 +103,3 @@ class Coherent(SpeckleKind, kind="coherent", rank=40):
         slider=(1.0, 1e4),
         log=True,
     )
-
-    @property
-    def scatterer_density(self) -> float | None:
-        """Scatterers per square metre."""
-        return self.density

@@ -31,7 +31,7 @@ class PulseKind(Kind):
     @property
     def length(self) -> float:
         """Length of the pulse in seconds; 0 for one shorter than any bin."""
-        return 0.0
+        return getattr(self, "duration", 0.0)
 
     @property
     def resolution(self) -> float:
@@ -106,11 +106,6 @@ class Tone(PulseKind, kind="tone", rank=20):
 
     duration: float = parameter(1e-4, "length of the pulse", "s", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True)
 
-    @property
-    def length(self) -> float:
-        """Length of the pulse in seconds."""
-        return self.duration
-
     def envelope(self, time: Floats) -> Floats:
         """Amplitude of a point's echo: the envelope of the transmitted pulse."""
         return np.where((time >= 0.0) & (time < self.duration), 1.0, 0.0)
@@ -145,11 +140,6 @@ class Chirp(PulseKind, kind="chirp", rank=30):
                 f"raise it to {1.0 / self.duration:.4g} Hz or more, or lengthen the pulse"
             )
         return self
-
-    @property
-    def length(self) -> float:
-        """Length of the pulse in seconds, and of its response before and after the echo's own time."""
-        return self.duration
 
     @property
     def resolution(self) -> float:

@@ -98,7 +98,7 @@ class Target(Declaration):
     @property
     def underside(self) -> float:
         """Mean height of the lowest point above the bed, in metres."""
-        return 0.0
+        return getattr(self, "gap", 0.0)
 
     def placed(self, bed: BedSurface) -> Shape:
         """Shape where it lies on a bed.
@@ -171,11 +171,6 @@ class Body(Target):
         le=HIGHEST_GAP,
         slider=(-1.0, 5.0),
     )
-
-    @property
-    def underside(self) -> float:
-        """Height of the lowest point above the bed, in metres."""
-        return self.gap
 
 
 class Posed(Body):

@@ -3,10 +3,11 @@
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from insonify.arrays import Floats, Integers
 from insonify.errors import SceneError
@@ -27,6 +28,7 @@ CAST_TOLERANCE = 0.02  # m/s, greatest error of the segments: the accuracy of a 
 Interpolation = Literal["linear", "pchip"]
 Equation = Literal["paper", "mackenzie", "teos10"]
 Depth = Annotated[float, Field(ge=0.0, le=12000.0)]
+Distance = Annotated[float, Field(ge=-1e6, le=1e6)]
 Speed = Annotated[float, Field(ge=1300.0, le=1700.0)]
 Temperature = Annotated[float, Field(ge=-2.0, le=40.0)]
 Salinity = Annotated[float, Field(ge=0.0, le=45.0)]
@@ -80,33 +82,32 @@ def approximate_pchip(places: Floats, values: Floats, tolerance: float) -> tuple
     return approximate_by_segments(PchipInterpolator(places, values), places, tolerance)
 
 
-class LayeredWater(WaterKind):
-    """Water of properties given at depths, constant above the first and below the last."""
-
-    depth: tuple[Depth, ...] = parameter(
-        DEPTHS, "depths at which the properties are given, downwards", "m", slider=(0.0, 100.0)
-    )
-
-    @field_validator("depth")
-    @classmethod
-    def _goes_downwards(cls, depth: tuple[float, ...]) -> tuple[float, ...]:
-        check_order("depth", depth, "for one sound speed use kind 'uniform'")
-        return depth
-
-
-def interpolation() -> Any:
-    """Declare how a sound speed is interpolated between depths."""
-    return parameter("linear", "interpolation between the depths: linear, or smooth without overshoot", rare=True)
-
-
-def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
-    """Raise ValueError for places that do not increase."""
+def check_order(what: str, instead: str, places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return places, or raise ValueError if they do not increase."""
     if not 2 <= len(places) <= MOST:
         raise ValueError(f"must have from 2 to {MOST} points, not {len(places)}; {instead}")
     for before, after in itertools.pairwise(places):
         if after <= before:
             fault = f"has {before:g} m twice" if after == before else f"goes from {before:g} back to {after:g} m"
             raise ValueError(f"must increase, but {what} {fault}; sort it in increasing order without duplicates")
+    return places
+
+
+DOWNWARDS = AfterValidator(partial(check_order, "depth", "for one sound speed use kind 'uniform'"))
+ONWARDS = AfterValidator(partial(check_order, "distance", "for horizontally uniform water use kind 'profile'"))
+
+
+class LayeredWater(WaterKind):
+    """Water of properties given at depths, constant above the first and below the last."""
+
+    depth: Annotated[tuple[Depth, ...], DOWNWARDS] = parameter(
+        DEPTHS, "depths at which the properties are given, downwards", "m", slider=(0.0, 100.0)
+    )
+
+
+def interpolation() -> Any:
+    """Declare how a sound speed is interpolated between depths."""
+    return parameter("linear", "interpolation between the depths: linear, or smooth without overshoot", rare=True)
 
 
 def check_length(what: str, count: int, depth: tuple[float, ...]) -> None:
@@ -175,7 +176,7 @@ class SectionWater(LayeredWater, kind="section", rank=50):
 
     table: ClassVar[frozenset[str]] = frozenset({"distance", "depth", "sound_speed"})
     varies_along = True
-    distance: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = parameter(
+    distance: Annotated[tuple[Distance, ...], ONWARDS] = parameter(
         (0.0, 200.0), "places of the profiles along the line", "m", slider=(-100.0, 100.0)
     )
     sound_speed: tuple[tuple[Speed, ...], ...] = parameter(
@@ -185,12 +186,6 @@ class SectionWater(LayeredWater, kind="section", rank=50):
         slider=(1400.0, 1600.0),
     )
     heading: float = angle("direction of the line, counter-clockwise from east; 45T is 45° by the compass")
-
-    @field_validator("distance")
-    @classmethod
-    def _goes_onwards(cls, distance: tuple[float, ...]) -> tuple[float, ...]:
-        check_order("distance", distance, "for horizontally uniform water use kind 'profile'")
-        return distance
 
     @model_validator(mode="after")
     def _one_profile_a_distance(self) -> Self:

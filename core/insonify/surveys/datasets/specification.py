@@ -226,15 +226,11 @@ class DatasetSpecification(Declaration):
         return splits
 
     @model_validator(mode="after")
-    def _classes_differ(self) -> Self:
+    def _classes_differ_and_jobs_are_whole(self) -> Self:
         names = self.classes
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"targets: the class {twice!r} is declared twice; merge the two, or rename one")
-        return self
-
-    @model_validator(mode="after")
-    def _whole_jobs(self) -> Self:
         together = self.storage.scenes
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)

@@ -60,13 +60,9 @@ class SurveySpecification(Declaration):
     mosaic: MosaicOptions = parameter(MosaicOptions, "how the records are put on the map")
 
     @model_validator(mode="after")
-    def _lines_or_an_area(self) -> Self:
+    def _has_lines_and_a_format(self) -> Self:
         if (self.area is None) == (not self.lines):
             raise ValueError("area, lines: give one of the two, an area to cover or a list of lines")
-        return self
-
-    @model_validator(mode="after")
-    def _known_format(self) -> Self:
         known = [suffix for suffix in RECORDS.writable() if suffix in RECORDS.readable()]
         if self.suffix not in known:
             raise ValueError(f"suffix: {self.suffix!r} is not a format of records; give one of {', '.join(known)}")

@@ -61,12 +61,8 @@ class NamedMaterial(Declaration):
     )
 
     @model_validator(mode="after")
-    def _albedo_within_1(self) -> Self:
+    def _parameters_agree(self) -> Self:
         check_albedo(self.diffuse, self.specular)
-        return self
-
-    @model_validator(mode="after")
-    def _sediment_has_a_density(self) -> Self:
         if self.sediment is not None and math.isinf(self.density):
             raise ValueError("density inf means a perfect reflector, which is not a sediment; give a number")
         return self

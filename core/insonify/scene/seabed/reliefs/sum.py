@@ -19,7 +19,7 @@ class SumOfReliefs(ReliefKind, kind="sum", rank=80):
     )
 
     @model_validator(mode="after")
-    def _parts_repeat_together(self) -> Self:
+    def _parts_fit_together(self) -> Self:
         random = self._random
         for part in random[1:]:
             if part.period != random[0].period:
@@ -29,14 +29,10 @@ class SumOfReliefs(ReliefKind, kind="sum", rank=80):
                 )
             if part.endless != random[0].endless:
                 raise ValueError("of is endless in one part and repeats in another; give all the same extent")
-        return self
-
-    @model_validator(mode="after")
-    def _one_part_is_measured(self) -> Self:
-        count = len(self.of) - len(self._random)
+        count = len(self.of) - len(random)
         if count > 1:
             raise ValueError(f"of has {count} measured beds; keep one")
-        if count and any(part.endless for part in self._random):
+        if count and any(part.endless for part in random):
             raise ValueError("of is endless in one part and measured in another; remove extent from the endless one")
         return self
 

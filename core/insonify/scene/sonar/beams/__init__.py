@@ -74,7 +74,7 @@ class BeamKind(Kind):
     @property
     def axis(self) -> float:
         """Angle of the beam's axis towards the bow, in degrees."""
-        return 0.0
+        return getattr(self, "squint", 0.0)
 
     @property
     def passes(self) -> int:
@@ -116,11 +116,6 @@ class AimedBeam(BeamKind):
         slider=(-10.0, 10.0),
         rare=True,
     )
-
-    @property
-    def axis(self) -> float:
-        """Angle of the beam's axis towards the bow, in degrees."""
-        return self.squint
 
 
 class GaussianBeam(AimedBeam, kind="gaussian", rank=30):
