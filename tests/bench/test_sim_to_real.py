@@ -103,7 +103,7 @@ class Chip(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def chips(tmp_path_factory) -> list[Chip]:
+def chips(tmp_path_factory):
     """Chips of the bundled sets; beds have the boxes of objects, so that the frame tells nothing."""
     folder = Path(os.environ.get("INSONIFY_SIM_SETS") or tmp_path_factory.mktemp("sets"))
     lines = []
@@ -165,7 +165,7 @@ def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
 
 
 @pytest.fixture(scope="module")
-def forests(chips) -> list[Any]:
+def forests(chips):
     """Forests of random trees, trained on chips as they are, and closely cropped as archives do."""
     ensemble, rng = pytest.importorskip("sklearn.ensemble"), np.random.default_rng(1)
     # With beds that are mistaken for objects, from which a network gains, forests take a third of the objects for beds.
@@ -181,7 +181,7 @@ def forests(chips) -> list[Any]:
 
 
 @pytest.fixture(scope="module")
-def networks(chips) -> list[Any]:
+def networks(chips):
     """Networks trained on all chips, on a GPU where there is one; none without PyTorch."""
     if not find_spec("torch"):
         return []

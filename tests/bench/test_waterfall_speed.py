@@ -3,7 +3,6 @@
 # ruff: noqa: T201
 
 import time
-from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +31,7 @@ VIEWS = {
 
 
 @pytest.mark.parametrize("name", VIEWS)
-def test_a_scrolling_record(qtbot: Any, name: str) -> None:
+def test_a_scrolling_record(qtbot, name):
     """A frame takes a new ping over, scrolls and is painted at 1000 × 1000 px."""
     compile_picture()
     options, zoom = VIEWS[name]

@@ -1,4 +1,4 @@
-"""What a record tells of each target, against closed forms: boxes, shadow length, target strength."""
+"""What a record tells of each target: boxes, strength and shadows, against closed forms, brute force and records."""
 
 import math
 
@@ -6,12 +6,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from beds import arrays_of, poses_of
+import brute_force
+from beds import arrays_of, box_mesh, pipe_edges, poses_of, rough
+from insonify.acoustics.beam_patterns import make_pattern
 from insonify.io.records import read_record, write_record
+from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.kernels.labels.refracted_labels import label_refracted_pings
+from insonify.kernels.labels.shadows import empty_shadow_table
+from insonify.kernels.labels.sweep_labels import empty_labels
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
+from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
-from insonify.tracers import sweep
+from insonify.tracers import rays, sweep
 from insonify.tracers.labels import PATHS, trace_labels
+from water import water_about
 
 FLAT = np.zeros((4, 4))
 ALTITUDE = 10.0
@@ -169,3 +179,174 @@ def test_pings_do_not_depend_on_how_many_are_labelled(targets):
     simulation = prepare(targets)
     whole = simulation.truth(np.arange(20))
     np.testing.assert_array_equal(whole.target_echo[7:9], simulation.truth(np.arange(7, 9)).target_echo)
+
+
+DEGREE = math.radians(1.0)
+BINS, STEP = 600, 0.05
+LENGTH, FREQUENCY, SPEED = 0.2, 400e3, 1500.0
+BALL = ((0.0, 20.0, 0.5), 0.5)
+PIPE = ((-3.0, 18.0, 0.9), (3.0, 22.5, 0.9), 0.3)  # oblique, above the bed, its ends out of sight
+CORNERS = (-0.4, 17.0, 0.0), (0.5, 18.0, 0.8)
+BLOCK = brute_force.box(np.mean(CORNERS, axis=0), np.eye(3), 0.5 * np.ptp(CORNERS, axis=0))
+
+
+def beam_options(beam):
+    """How a beam is packed, as `arrays_of` takes it."""
+    if beam == "knife":
+        return {}
+    if beam == "fan":
+        return {"half_width": 0.5 * DEGREE}
+    kinds = {"gaussian": {"kind": "gaussian", "width": 1.0}, "array": {"kind": "array", "length": LENGTH}}
+    scene = edit(load_scene("pipe-span"), {"sonar.beam": kinds[beam], "sonar.frequency": FREQUENCY})
+    half_width, pattern = make_pattern(scene, SPEED)
+    return {"half_width": half_width, "pattern": pattern}
+
+
+RESPONSES = {
+    "knife": (brute_force.knife, [0.0]),
+    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 151)),
+    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 201)),
+    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 401)),
+}
+BODIES = {
+    "sphere": ({"solids": [BALL]}, [brute_force.sphere(*BALL)]),
+    "pipe": ({"solids": [PIPE]}, [brute_force.frustum(*PIPE, PIPE[2])]),
+    "box": ({"mesh": box_mesh(*CORNERS)}, [BLOCK]),
+    "sphere behind sphere": (
+        {"solids": [BALL, ((0.1, 22.0, 1.2), 0.3)]},
+        [brute_force.sphere(*BALL), brute_force.sphere((0.1, 22.0, 1.2), 0.3)],
+    ),
+}
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("beam", RESPONSES)
+@pytest.mark.parametrize("along", [0.0, 0.35])
+def test_shares_are_those_of_rays_cast_with_and_without_the_target(beam, body, along):
+    declared, meets = BODIES[body]
+    respond, azimuths = RESPONSES[beam]
+    arrays = arrays_of(FLAT, 0.1, periodic=True, bins=BINS, bin_length=STEP, **declared, **beam_options(beam))
+    found = trace_labels(arrays, poses_of(along, 0.0, ALTITUDE), planes=128)
+    share, whose = brute_force.shadow_shares(
+        meets, respond, height=ALTITUDE, bins=BINS, bin_length=STEP, azimuths=azimuths, along=along
+    )
+    # Brute force places an edge to a sixteenth of a bin, and the sweep one along the track to a plane of 128.
+    np.testing.assert_allclose(found.shadow[0, 0], share, atol=0.03)
+    np.testing.assert_allclose(found.shadow[0, 0].sum(), share.sum(), rtol=5e-3)
+    clear = share > 0.03
+    np.testing.assert_array_equal(found.shadow_id[0, 0][clear], whose[clear])
+    assert not found.shadow[0, 1].any()
+    assert (found.shadow_id[0, 1] == -2).all()
+
+
+def muted(arrays):
+    """The same scene with targets that hide and return nothing."""
+    rows = arrays.reflectivity.shape[0]
+    return arrays._replace(
+        reflectivity=np.vstack([arrays.reflectivity, [0.0, 0.0, 1.0]]),
+        interface=np.vstack([arrays.interface, [0.0, 1.0]]),
+        solids=arrays.solids._replace(material=np.full_like(arrays.solids.material, rows)),
+        mesh=arrays.mesh._replace(material=np.full_like(arrays.mesh.material, rows)),
+    )
+
+
+def far_off(arrays):
+    """The same scene with its targets out of reach; without any, or higher ones, planes would be laid otherwise."""
+    solids = arrays.solids._replace(start=arrays.solids.start + np.array([1e5, 1e5, 0.0]))
+    return arrays._replace(solids=solids, mesh=without_targets(arrays).mesh)
+
+
+def share_of_records(trace, arrays, poses, **options):
+    """What a record of mute targets lacks of one without targets, and where that one is not faint."""
+    with_targets, without = (trace(each, poses, **options) for each in (muted(arrays), far_off(arrays)))
+    return 1.0 - with_targets / np.where(without > 0.0, without, 1.0), without > 0.05 * np.median(without)
+
+
+ROUGH = {"heights": rough(128, 128, rms=0.25), "spacing": 0.25, "periodic": True, "bins": 400, "bin_length": 0.08}
+SOLIDS = [BALL, PIPE, ((-14.0, -15.0, 0.6), (14.0, -13.0, 0.6), 0.4)]
+POSES = poses_of([0.0, 0.4, 1.0], [0.0, 0.1, 0.0], [9.0, 9.2, 9.1], [0.0, 0.02, -0.01])
+
+
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+@pytest.mark.parametrize("beam", RESPONSES)
+def test_shares_are_what_mute_targets_take_from_the_record(beam, law):
+    """A rough bed, some of which hides itself: what the bed hides anyway is no shadow of a target."""
+    arrays = arrays_of(**ROUGH, solids=SOLIDS, mesh=box_mesh(*CORNERS, target=3), law=law, **beam_options(beam))
+    found = trace_labels(arrays, POSES, planes=12)
+    expected, loud = share_of_records(sweep.trace, arrays, POSES, planes=12)
+    np.testing.assert_allclose(found.shadow[loud], expected[loud], atol=1e-3)
+    assert {-2, 0, 1, 2, 3} == set(np.unique(found.shadow_id))
+    np.testing.assert_array_equal(found.shadow_id == -2, found.shadow == 0.0)
+    assert found.shadow.min() == 0.0
+    assert found.shadow.max() == 1.0
+
+
+@pytest.mark.parametrize("beam", RESPONSES)
+def test_shares_are_those_of_records_by_rays(beam):
+    arrays = arrays_of(**ROUGH, solids=SOLIDS, mesh=box_mesh(*CORNERS, target=3), **beam_options(beam))
+    found = trace_labels(arrays, POSES, planes=128).shadow
+    expected, loud = share_of_records(rays.trace, arrays, POSES, rays=400_000)
+    difference = (found - expected)[loud]
+    assert np.sqrt(np.mean(difference**2)) < 0.01
+    assert abs(difference.mean()) < 0.001
+
+
+@pytest.mark.parametrize(("rms", "spacing", "turned"), [(0.25, 0.25, 3.5), (0.1, 0.5, 2.0)])
+def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
+    water = water_about(12.0, [0.0, 4.0, 8.0, 54.0], [1490.0, 1490.0, 1494.0, 1495.0])
+    bed = ROUGH | {"heights": rough(128, 128, rms), "spacing": spacing}
+    arrays = arrays_of(**bed, solids=SOLIDS[:2], half_width=0.02)._replace(water=water)
+    poses = poses_of([0.0, 0.4], 0.0, 12.0)
+    swept = trace_labels(arrays, poses, planes=64)
+    table, shadows = empty_contributor_table(3, 400), empty_shadow_table(2, 400)
+    found = empty_labels(2, 400, 2)
+    label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, table, shadows, found)
+    assert (swept.shadow[:, 0] > 0.5).sum() > 30
+    assert np.sqrt(np.mean((found.shadow - swept.shadow) ** 2)) < 0.03
+    assert (np.abs(found.shadow - swept.shadow) < 0.05).mean() > 0.98
+    both = (found.shadow > 0.05) & (swept.shadow > 0.05)
+    assert (found.shadow_id == swept.shadow_id)[both].mean() > 0.99
+    target = np.where(found.contributor == NO_PRIMITIVE, -2, found.contributor - 1)
+    assert (target == swept.target_id).mean() > 0.98
+    assert {-2, -1, 0, 1} == set(swept.target_id.ravel())
+    same = (target == swept.target_id) & (target != -2)
+    assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
+    assert np.quantile(np.abs(np.degrees(found.incidence) - swept.incidence)[same], 0.5) < turned
+
+
+def test_a_ball_in_a_gaussian_beam_has_a_shadow_in_its_record():
+    """A ball of 1 m at 20 m across: its shadow on the level bed runs to where the upper tangent ray comes down."""
+    scene = edit(
+        load_scene("pipe-span"),
+        {
+            "targets": [{"kind": "sphere", "radius": 0.5, "position": [20.0, 20.0]}],
+            "sonar.beam": {"kind": "gaussian", "width": 1.0},
+            "sonar.bins": 1000,
+            "track.start": [19.0, 0.0],
+            "track.pings": 11,
+        },
+    )
+    record = simulate(scene, truth=True).sel(channel="port")
+    r = record.slant_range.values
+    ping = int(np.argmin(np.abs(record.platform_x.values - 20.0)))
+    _, _, begins, ends = pipe_edges(0.0, altitude=10.0, offset=20.0)
+    share, whose = record.shadow.values[ping], record.shadow_id.values[ping]
+    inside = (r > begins + 0.2) & (r < ends - 0.2)
+    assert share[inside].mean() > 0.9
+    assert (whose[inside] == 0).all()
+    assert not share[(r < begins - 0.1) | (r > ends + 0.1)].any()
+    # The beam passes the ball by degrees, and each ping's share with it.
+    peak = record.shadow.max(dim="range_sample").values
+    assert (np.diff(peak[: ping + 1]) > -1e-6).all()
+    assert 0.0 < peak[0] < 0.5
+
+
+def test_bed_hidden_by_bed_is_no_shadow_of_a_target():
+    """Beyond a wall of bed nothing is heard with or without the ball there."""
+    heights = np.zeros((400, 8))
+    heights[120:124] = 4.0
+    arrays = arrays_of(heights, 0.1, x0=-0.4, y0=0.0, bins=600, solids=[((0.0, 16.0, 0.5), 0.5)])
+    found = trace_labels(arrays, poses_of(0.0, 5.0, 6.0))
+    assert not found.shadow.any()
+    dark = np.s_[0, 0, int(math.hypot(8.0, 6.0) / 0.05) : int(math.hypot(21.0, 6.0) / 0.05)]
+    assert (found.target_id[dark] == -2).all()

@@ -11,7 +11,7 @@ MINUTES = "2"
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", ["1", "2"])
-def test_a_window_used_at_random_keeps_in_order(seed: str) -> None:
+def test_a_window_used_at_random_keeps_in_order(seed):
     command = [sys.executable, "-X", "faulthandler", "-m", "soak", MINUTES, seed]
     done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, timeout=900)
     print(done.stdout)  # noqa: T201

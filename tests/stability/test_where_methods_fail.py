@@ -6,14 +6,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
+import insonify
 from beds import arrays_of, poses_of, rough
 from insonify import kernels
+from insonify.accuracy.stability.themes.refraction import exact_time
+from insonify.acoustics.paths import eigenrays
+from insonify.acoustics.rays import follow_paths, join_points
 from insonify.compiler.jit import FAST
 from insonify.kernels.common.types import BED, LIGHT, SONAR
+from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
+from insonify.kernels.refraction.eigenray_search import ANGLE
+from insonify.kernels.refraction.eigenrays import FOUND, NONE
+from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
 from insonify.scene import edit, load_scene
+from insonify.scene.water import AnyWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.simulation import prepare, simulate
 from insonify.tracers import rays, sweep
+from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
@@ -178,3 +190,234 @@ def test_kernels_raise_nothing_and_leave_threads_to_others():
 
 def test_kernels_keep_their_guards_against_nan():
     assert not FAST & {"nnan", "ninf", "fast"}
+
+
+WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)
+
+
+@pytest.mark.parametrize("g", WEAK)
+@pytest.mark.parametrize("degrees", [-80.0, -5.0, 0.0, 1e-7, 5.0, 60.0])
+def test_a_gradient_of_next_to_nothing_bends_next_to_nothing(g, degrees):
+    water = layers([0.0, 30.0, 100.0], [1500.0, 1500.0 + 30.0 * g, 1500.0 + 100.0 * g])
+    angle, x = math.radians(degrees), 9.0
+    status, ray = shot(water, 50.0, degrees, x_end=x)
+    assert status == RANGE
+    # The sagitta, which is there.
+    bend = g * x**2 / (2.0 * 1500.0 * math.cos(angle) ** 2)
+    length = x / math.cos(angle)
+    assert -ray.z == pytest.approx(50.0 + x * math.tan(angle) - bend, abs=1e-9)
+    assert ray.time == pytest.approx(length / 1500.0, abs=1e-12 + g)
+    assert ray.q == pytest.approx(length, abs=1e-9 + 1e6 * g)
+
+
+@pytest.mark.parametrize("g", WEAK)
+def test_two_points_are_joined_through_next_to_no_gradient(g):
+    water = layers([0.0, 30.0, 100.0], [1500.0, 1500.0 + 30.0 * g, 1500.0 + 100.0 * g])
+    status, _, angle = joined(water, 50.0, 100.0, 70.0)
+    assert status == FOUND
+    assert angle == pytest.approx(math.degrees(math.atan2(20.0, 100.0)), abs=1e-8 + 1e3 * g)
+    assert len(join_points(water_of(*water), -50.0, -70.0, 100.0, -100.0, 0.0, 0)) == 1
+
+
+@pytest.mark.parametrize("water", [layers([0, 30, 60], [1520, 1490, 1510]), layers([0, 60], [1500, 1500])])
+def test_a_vertical_ray_stays_at_range_0(water):
+    status, ray = shot(water, 5.0, 90.0, bottom=60.0)
+    height, speed = water
+    assert status == LOW
+    assert abs(ray.x) < 1e-12
+    ours = shot(water, 5.0, 90.0, bottom=60.0)[1].time
+    pieces = np.union1d(height[(height > -60.0) & (height < -5.0)], [-60.0, -5.0])
+    ends = np.interp(pieces, height, speed)
+    rates = np.diff(ends) / np.diff(pieces)
+    slow = [math.log(b / a) / g if g else dz / a for a, b, g, dz in zip(ends, ends[1:], rates, np.diff(pieces))]
+    assert ours == pytest.approx(sum(slow), rel=1e-13)
+    status, plumb, _ = joined(water, 5.0, 0.0, 60.0)
+    assert (status, plumb.cosine0, plumb.sine0) == (FOUND, 0.0, -1.0)
+    assert plumb.time == pytest.approx(ours, rel=1e-14)
+
+
+def test_a_vertical_ray_along_a_station_does_not_stand_still():
+    speed = [[1500.0, 1500.0], [1510.0, 1510.0], [1500.0, 1500.0]]
+    for start in ((0.0, 50.0, 90.0), (-50.0, 0.0, 90.0), (-90.0, -50.0, 0.0)):
+        points, ends = followed(water_of([-60.0, 0.0], speed, start), 5.0, 90.0, [10.0], bottom=60.0)
+        assert ends[0] in (1, AT_RANGE)
+        assert np.isfinite(points.time[0, 0])
+
+
+# Speeds at 0, 20 and 40 m; the source is level on the node at 20 m.
+@pytest.mark.parametrize(
+    ("speeds", "side"),
+    [
+        ((1510, 1500, 1490), 1.0),  # faster above: down
+        ((1490, 1500, 1510), -1.0),  # slower above: up
+        ((1510, 1500, 1510), 0.0),  # slowest here: along
+        ((1500, 1500, 1510), 0.0),  # even above, faster below: along
+        ((1500, 1500, 1490), 1.0),
+        ((1490, 1500, 1500), -1.0),
+    ],
+)
+def test_a_level_ray_on_a_node_takes_the_side_it_bends_to(speeds, side):
+    status, ray = shot(layers([0, 20, 40], speeds), 20.0, 0.0, x_end=50.0)
+    assert status == RANGE
+    bent = 0.5 * 50.0**2 / (2.0 * 1500.0)
+    assert -ray.z == pytest.approx(20.0 + side * bent, abs=1e-3)
+    if side == 0.0:
+        assert ray.z == -20.0
+
+
+def test_a_level_ray_where_sound_is_fastest_takes_one_side_and_keeps_to_it():
+    status, ray = shot(layers([0, 20, 40], [1490, 1500, 1490]), 20.0, 0.0, x_end=50.0)
+    assert status == RANGE
+    assert abs(abs(ray.z) - 20.0) == pytest.approx(0.5 * 50.0**2 / 3000.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("above", [0.0, 0.5, -0.5])
+@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-16, 1e-13, -1e-13, 1e-10, -1e-10, 1e-8])
+def test_a_ray_whose_vertex_is_on_a_node_turns_or_goes_on_but_is_never_lost(above, off):
+    """Launched so that it is level at 20 m, or as good as."""
+    water = layers([0, 20, 40], [1510 + 20 * above, 1510, 1500])
+    critical = math.degrees(math.acos(1500.0 / 1510.0))
+    status, ray = shot(water, 40.0, -critical + off, x_end=400.0)
+    assert status == RANGE
+    assert all(map(math.isfinite, (ray.z, ray.time, ray.p, ray.q, ray.sine)))
+    assert ray.cosine**2 + ray.sine**2 == pytest.approx(1.0, abs=1e-12)
+    level = 1500.0 * math.tan(math.radians(critical)) / 0.5
+    if above > 0.0:
+        # Down again as it came, whether it has looked over the node or not.
+        _, back = shot(water, 40.0, -critical + off, x_end=2.0 * level)
+        assert -back.z == pytest.approx(40.0, abs=1e-2)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1e-9, 1e-3, 1.0, 5.0])
+def test_a_trapped_ray_ends(degrees):
+    water = water_of(*layers([0, 30, 60], [1530, 1500, 1530]))
+    points, ends = followed(water, 30.0, degrees, [0.0, 1e3, 1e5])
+    assert ends[0] in (AT_RANGE, TRAPPED)
+    assert ends[0] == AT_RANGE or degrees in (1e-9, 1e-3)
+    assert np.isfinite(points.z[0, 0])
+    for x, least in ((500.0, 0), (100.0, 50)):  # rays without end, of which some are found
+        found = join_points(water, -30.0, -30.0, x, -60.0, 0.0, 0)
+        assert len(found) > least
+        assert np.isfinite(found).all()
+        assert (np.diff(found[:, ANGLE]) >= 0.0).all()
+
+
+def test_a_vertical_ray_without_end_is_said_to_get_nowhere():
+    points, ends = followed(water_of(*layers([0, 30], [1530, 1500])), 10.0, 90.0, [0.0, 100.0])
+    assert ends[0] == NOWHERE
+    assert np.isfinite(points.x[0]).sum() == 1
+
+
+@pytest.mark.parametrize("degrees", [-30.0, -2.0, 2.0, 30.0])
+@pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-12, -1e-12, 9e-10, -9e-10, 2e-9, -2e-9])
+def test_a_source_next_to_a_node_is_a_source_on_it(degrees, off):
+    water = layers([0, 20, 40], [1520, 1500, 1510])
+    _, there = shot(water, 20.0, degrees, x_end=30.0)
+    _, ray = shot(water, 20.0 + off, degrees, x_end=30.0)
+    assert ray.z == pytest.approx(there.z, abs=1e-8)
+    assert ray.time == pytest.approx(there.time, abs=1e-12)
+    assert ray.q == pytest.approx(there.q, abs=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [-12.0, -3.0, 1.0, 20.0])
+def test_a_ray_stopped_anywhere_goes_on_as_if_it_had_not_been(degrees):
+    """Stops come to lie on nodes too, and within rounding of them."""
+    water = layers([0, 12, 20, 33, 60], [1520, 1515, 1500, 1503, 1498])
+    _, whole = shot(water, 20.0, degrees, x_end=180.0, bottom=60.0)
+    ray, stops, crossed = downward(water, 20.0, degrees), list(np.linspace(1.0, 179.0, 200)), []
+    while True:
+        status, after = stepped(*water, ray, 180.0, -60.0, NO_CEILING)
+        if status != NODE:
+            break
+        crossed.append(after.x)
+        ray = after
+    stops += [x + off for x in crossed for off in (-1e-11, 0.0, 1e-11)]
+    ray = downward(water, 20.0, degrees)
+    for x in [*sorted(stops), 180.0]:
+        status = NODE
+        while status == NODE:
+            status, ray = stepped(*water, ray, x, -60.0, NO_CEILING)
+    assert status in (RANGE, LOW)
+    assert ray.z == pytest.approx(whole.z, abs=1e-8)
+    assert ray.q == pytest.approx(whole.q, rel=1e-6)
+
+
+def test_a_tube_at_a_jump_of_the_gradient_met_flatly_is_capped_and_said_to_be():
+    water = layers([0, 20, 40], [1530, 1510, 1500])
+    critical = math.degrees(math.acos(1500.0 / 1510.0))
+    capped = []
+    for off in np.linspace(-3e-13, 3e-13, 201):
+        _, ray = shot(water, 40.0, -critical + off, x_end=600.0)
+        assert math.isfinite(ray.q)
+        assert abs(ray.p) <= 1.0 / GRAZING
+        capped.append(ray.grazed)
+    assert any(capped)
+    assert not shot(water, 40.0, -critical + 1e-3, x_end=600.0)[1].grazed
+    assert not shot(water, 40.0, -critical - 1e-3, x_end=600.0)[1].grazed
+
+
+def test_in_a_shadow_zone_there_is_no_ray():
+    water = layers([0, 40], [1500, 1480])
+    assert len(join_points(water_of(*water), -10.0, -40.0, 800.0, -40.0, 0.0, 0)) == 0
+    assert len(join_points(water_of(*water), -10.0, -5.0, 740.0, -40.0, 0.0, 0)) == 0
+    # Sound is fastest at 20 m and parts there: nothing comes to what lies level with the source but far.
+    parted = layers([0, 20, 40], [1480, 1500, 1480])
+    assert joined(parted, 19.0, 500.0, 21.0)[0] == NONE
+    assert len(join_points(water_of(*parted), -19.0, -21.0, 500.0, NO_FLOOR, NO_CEILING, 0)) == 0
+
+
+def test_outside_the_profile_speed_stays_what_it_is_at_its_ends():
+    water = layers([20, 40], [1510, 1490])
+    status, ray = shot(water, 5.0, -45.0, x_end=1000.0)
+    assert (status, ray.speed) == (RANGE, 1510.0)
+    assert ray.z == pytest.approx(995.0)
+    status, ray = shot(water, 5.0, 45.0, bottom=9000.0)
+    assert (status, ray.speed) == (LOW, 1490.0)
+    assert shot(water, 5.0, -90.0)[0] == ENDLESS
+    assert shot(water, 5.0, -90.0, surface=0.0)[0] == HIGH
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "pchip"])
+def test_a_steep_thermocline_keeps_speeds_and_rays_in_bounds(interpolation):
+    fields = {
+        "kind": "profile",
+        "depth": [0, 10, 10.2, 10.4, 60],
+        "sound_speed": [1530, 1530, 1512, 1500, 1500],
+        "interpolation": interpolation,
+    }
+    water = TypeAdapter(AnyWater).validate_python(fields)
+    angles = np.linspace(-89.0, 89.0, 357)
+    paths = insonify.ray_paths(water, 20.0, angles, max_range=400.0, bottom=60.0)
+    there = np.isfinite(paths.range.values)
+    assert not (paths.end == "trapped").any()
+    assert (paths.depth.values[there] >= -1e-9).all()
+    # Snell's constant: a ray that comes back to its depth has its angle again.
+    index = 1500.0 / np.where(paths.depth.values > 10.4, 1500.0, np.nan)
+    kept = np.cos(np.radians(paths.grazing.values)) * index
+    launch = np.cos(np.radians(paths.angle.values))[:, None]
+    np.testing.assert_allclose(
+        kept[np.isfinite(kept)], np.broadcast_to(launch, kept.shape)[np.isfinite(kept)], rtol=1e-9
+    )
+    rays = insonify.eigenrays(water, 20.0, 150.0, 25.0, bottom=60.0)
+    assert rays.sizes["eigenray"] >= 1
+    assert (rays.time * 1500.0 > 150.0).all()
+
+
+def test_a_ray_between_two_mirrors_ends():
+    limits = RayLimits(100.0, -60.0, 0.0, True, True)
+    _, ends = follow_paths(
+        water_of(*layers([0, 60], [1500, 1510])), -20.0, np.radians([90.0, 80.0]), np.array([50.0]), limits
+    )
+    assert list(ends) == [TRAPPED, AT_RANGE]
+
+
+ONE_GRADIENT = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
+
+
+@pytest.mark.parametrize(("depth", "to"), [(4000.0, 4100.0), (10.0, 110.0), (4100.0, 4000.0), (2000.0, 2000.0)])
+def test_one_ray_comes_however_near_to_its_vertex(depth, to):
+    # It turns at the depth asked for if that lies some 4.4 km away, and short of it farther on.
+    for across in np.concatenate([np.arange(4000.0, 6000.0, 100.0), 4422.0 + np.logspace(-3.0, 2.0, 11)]):
+        found = eigenrays(ONE_GRADIENT, depth, across, to)
+        assert found.sizes["eigenray"] == 1, across
+        assert float(found.time[0]) == pytest.approx(float(exact_time(across, (depth, to))), abs=1e-11)

@@ -65,19 +65,17 @@ def digests_of(folder: Path, sources: dict[str, str]) -> dict[str, str]:
         ("kernels/sweep/user.py", SOURCES["kernels/sweep/user.py"].replace("base(x)\n", "base(x) + 1\n"), IMPORTERS),
     ],
 )
-def test_digests_follow_the_code_of_a_module_and_of_what_it_imports(
-    tmp_path: Path, path: str, text: str, changed: set[str]
-) -> None:
+def test_digests_follow_the_code_of_a_module_and_of_what_it_imports(tmp_path, path, text, changed):
     before = digests_of(tmp_path, SOURCES)
     after = digests_of(tmp_path, SOURCES | {path: text})
     assert {name for name in before if before[name] != after[name]} == changed
 
 
-def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path: Path) -> None:
+def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path):
     assert digests_of(tmp_path / "here", SOURCES) == digests_of(tmp_path / "there", SOURCES)
 
 
-def test_digests_that_cannot_be_kept_or_are_damaged_are_computed_all_the_same(tmp_path: Path) -> None:
+def test_digests_that_cannot_be_kept_or_are_damaged_are_computed_all_the_same(tmp_path):
     kept = digests_of(tmp_path, SOURCES)
     (tmp_path / "a file").write_text("")
     assert source_digests(tmp_path, tmp_path / "a file" / "kept") == kept
@@ -99,7 +97,7 @@ def use_kernel(cache: Path | None, version: str = numba.__version__, **options: 
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory):
     """A folder with the machine code of the kernel, which is read from a copy of the folder as well."""
     folder = tmp_path_factory.mktemp("made")
     assert use_kernel(folder / "cache") == (0, "")
@@ -109,13 +107,13 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def cache(made: Path, tmp_path: Path) -> Path:
+def cache(made, tmp_path):
     """A folder of this test with the machine code of the kernel."""
     return Path(shutil.copytree(made, tmp_path / "cache"))
 
 
 @compiled
-def test_machine_code_is_compiled_anew_once_damaged(cache: Path) -> None:
+def test_machine_code_is_compiled_anew_once_damaged(cache):
     for file in cache.rglob("*.nbc"):
         content = bytearray(file.read_bytes())
         content[len(content) // 2] ^= 1
@@ -125,20 +123,20 @@ def test_machine_code_is_compiled_anew_once_damaged(cache: Path) -> None:
 
 
 @compiled
-def test_versions_of_numba_leave_the_machine_code_of_others_alone(cache: Path) -> None:
+def test_versions_of_numba_leave_the_machine_code_of_others_alone(cache):
     assert use_kernel(cache, "0.0.0") == (0, "")
     assert use_kernel(cache) == (1, "")
 
 
 @compiled
-def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_done_without(tmp_path):
     (tmp_path / "a file").write_text("")
     assert use_kernel(tmp_path / "a file")[0] == 0
     assert os.listdir(tmp_path) == ["a file"]
 
 
 @compiled
-def test_of_processes_that_lack_the_same_kernel_one_compiles_it(tmp_path: Path) -> None:
+def test_of_processes_that_lack_the_same_kernel_one_compiles_it(tmp_path):
     with ThreadPoolExecutor() as pool:
         hits = [hit for hit, _ in pool.map(use_kernel, [tmp_path / "cache"] * 3)]
     assert sorted(hits) == [0, 1, 1]
@@ -170,7 +168,7 @@ print(*({"numba.np.arraymath", "scipy.linalg"} & set(sys.modules)))
 
 
 @compiled
-def test_finished_code_is_loaded_without_what_compiles_it() -> None:
+def test_finished_code_is_loaded_without_what_compiles_it():
     # The first process may compile what no test has compiled before.
     assert output_of("-c", FIRST_PING) == [] or output_of("-c", FIRST_PING) == []
 
@@ -186,12 +184,12 @@ class Poison:
 
 
 @owned
-def test_the_folder_is_made_for_this_user_alone(made: Path) -> None:
+def test_the_folder_is_made_for_this_user_alone(made):
     assert (made / "insonify" / "kernels").stat().st_mode & 0o777 == 0o700
 
 
 @owned
-def test_a_folder_to_which_others_may_write_is_not_used(cache: Path) -> None:
+def test_a_folder_to_which_others_may_write_is_not_used(cache):
     folder = cache / "insonify" / "kernels"
     for place in (folder, folder.parent, cache):
         place.chmod(0o777)
@@ -208,7 +206,7 @@ def test_a_folder_to_which_others_may_write_is_not_used(cache: Path) -> None:
 @owned
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives folders away")
 @pytest.mark.parametrize("place", ["insonify/kernels", ""])
-def test_a_folder_of_another_user_is_not_used_even_by_root(tmp_path: Path, place: str) -> None:
+def test_a_folder_of_another_user_is_not_used_even_by_root(tmp_path, place):
     folder = tmp_path / "insonify" / "kernels"
     folder.mkdir(parents=True)
     os.chown(tmp_path / place, 12345, 12345)
@@ -217,9 +215,7 @@ def test_a_folder_of_another_user_is_not_used_even_by_root(tmp_path: Path, place
 
 
 @owned
-def test_nothing_is_kept_below_the_current_folder_where_the_user_has_no_home(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_kept_below_the_current_folder_where_the_user_has_no_home(tmp_path, monkeypatch):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setattr(platformdirs, "user_cache_dir", lambda name: f"~/.cache/{name}")
     monkeypatch.chdir(tmp_path)
@@ -230,7 +226,7 @@ def test_nothing_is_kept_below_the_current_folder_where_the_user_has_no_home(
 
 @owned
 @pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
-def test_neither_an_index_nor_code_that_is_not_what_its_name_says_is_unpickled(cache: Path, suffix: str) -> None:
+def test_neither_an_index_nor_code_that_is_not_what_its_name_says_is_unpickled(cache, suffix):
     poison = Poison(cache / "trace")
     index = pickle.dumps(numba.__version__) + pickle.dumps(("", poison))
     for file in cache.rglob(f"*{suffix}"):
@@ -240,7 +236,7 @@ def test_neither_an_index_nor_code_that_is_not_what_its_name_says_is_unpickled(c
 
 
 @owned
-def test_a_setting_of_numba_in_the_current_folder_moves_nothing(tmp_path: Path) -> None:
+def test_a_setting_of_numba_in_the_current_folder_moves_nothing(tmp_path):
     (tmp_path / ".numba_config.yaml").write_text("cache_dir: strange\n")
     use_kernel(None, cwd=tmp_path)
     assert not (tmp_path / "strange").exists()

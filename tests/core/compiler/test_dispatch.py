@@ -3,7 +3,6 @@
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numba
 import numpy as np
@@ -56,14 +55,14 @@ def never_asked_for(x):
     return x + 1
 
 
-def test_a_part_gives_the_same_from_python_and_from_a_kernel() -> None:
+def test_a_part_gives_the_same_from_python_and_from_a_kernel():
     outer = kernel(lambda values: lengthen(values))
     assert half(3.0) == 1.5
     np.testing.assert_array_equal(outer(np.ones(3)), lengthen(np.ones(3)))
     np.testing.assert_array_equal(lengthen(np.ones(3), by=2), np.full(5, 1.5))
 
 
-def test_a_separate_kernel_gives_the_same_from_python_and_from_a_kernel() -> None:
+def test_a_separate_kernel_gives_the_same_from_python_and_from_a_kernel():
     outer = kernel(lambda count: halve(count, (0.5, 3.0)))
     assert outer(11) == halve(11, (0.5, 3.0)) == (5, 3)
     values = np.zeros(3)
@@ -71,7 +70,7 @@ def test_a_separate_kernel_gives_the_same_from_python_and_from_a_kernel() -> Non
     np.testing.assert_array_equal(values, np.ones(3))
 
 
-def test_an_exception_passes_through_parts_and_separate_calls() -> None:
+def test_an_exception_passes_through_parts_and_separate_calls():
     @inlined
     def refuse_part(x):
         if x < 0.0:
@@ -101,7 +100,7 @@ def test_a_function_that_kernels_alone_call_has_no_machine_code(tmp_path, monkey
         assert not compiled.library.codegen._engine.is_symbol_defined(compiled.fndesc.mangled_name)
 
 
-def test_nothing_is_compiled_before_it_is_called() -> None:
+def test_nothing_is_compiled_before_it_is_called():
     outer = kernel(lambda x: never_asked_for(x) if x > 0 else 0)
     assert outer(0) == 0
     assert not never_asked_for.machine_code.overloads
@@ -109,7 +108,7 @@ def test_nothing_is_compiled_before_it_is_called() -> None:
     assert never_asked_for.machine_code.overloads
 
 
-def test_threads_that_call_first_at_once_find_one_address() -> None:
+def test_threads_that_call_first_at_once_find_one_address():
     outer = kernel(lambda values: add_one(values))
     rows = np.zeros((8, 100), np.float32)
     outer(np.zeros(1))  # compiled, for other numbers
@@ -118,7 +117,7 @@ def test_threads_that_call_first_at_once_find_one_address() -> None:
     np.testing.assert_array_equal(rows, 1.0)
 
 
-def test_a_kernel_that_cannot_be_compiled_says_why_instead_of_crashing() -> None:
+def test_a_kernel_that_cannot_be_compiled_says_why_instead_of_crashing():
     outer = kernel(lambda x: break_promise(x))
     with pytest.raises(TypeError, match="break_promise returns float64, not int64"):
         outer(1)
@@ -145,7 +144,7 @@ print(called(2.0), *(sum(found.stats.cache_hits.values()) for found in (called.e
 """
 
 
-def test_parts_are_read_from_disk_by_kernels_that_are_compiled_later(tmp_path: Path) -> None:
+def test_parts_are_read_from_disk_by_kernels_that_are_compiled_later(tmp_path):
     source = tmp_path / "kernels.py"
     source.write_text(PARTS)
 
@@ -193,7 +192,7 @@ print(add_powers(int(sys.argv[1])), *(sum(called.machine_code.stats.cache_hits.v
     ],
     ids=["one process", "a second process", "a second process that ends early"],
 )
-def test_separate_machine_code_is_read_from_disk(tmp_path: Path, threads: int, worker: str, calls) -> None:
+def test_separate_machine_code_is_read_from_disk(tmp_path, threads, worker, calls):
     """By later processes, and where a second process has compiled what is not left to the first call."""
     (tmp_path / "powers.py").write_text(SEPARATE)
     path, cache = os.pathsep.join([str(tmp_path), *filter(None, sys.path)]), str(tmp_path / "cache")

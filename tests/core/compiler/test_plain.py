@@ -2,7 +2,6 @@
 
 import os
 import sys
-from pathlib import Path
 
 import numba
 import pytest
@@ -50,7 +49,7 @@ print(value, sum(combine.stats.cache_hits.values()), *private)
 """
 
 
-def test_plain_numba_gives_the_same_and_is_read_from_disk(tmp_path: Path) -> None:
+def test_plain_numba_gives_the_same_and_is_read_from_disk(tmp_path):
     (tmp_path / "plain_kernels.py").write_text(KERNELS)
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
     cache = str(tmp_path / "cache")

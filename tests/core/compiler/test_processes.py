@@ -1,8 +1,6 @@
 """Kernels compiled by another process: the same results, nothing compiled here, and no harm where it is missing."""
 
 import threading
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -59,7 +57,7 @@ class Compiled(event.Listener):
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
+def here(tmp_path, monkeypatch):
     """Functions that this process compiles, beginning with an empty cache and unknown kernels, in a hostile folder.
 
     The other process would end if it imported modules of that folder, and its kernels would be compiled here.
@@ -82,14 +80,14 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
     assert processes.elsewhere.process is None
 
 
-def test_what_is_compiled_into_its_callers_alone_is_compiled_here_when_python_calls_it(here: list[str]) -> None:
+def test_what_is_compiled_into_its_callers_alone_is_compiled_here_when_python_calls_it(here):
     """No file would bring it from the other process."""
     with compiled_elsewhere():
         assert halve(3.0) == 1.5
     assert here == ["halve"]
 
 
-def test_kernels_are_compiled_by_the_other_process_which_is_started_again_where_it_ended(here: list[str]) -> None:
+def test_kernels_are_compiled_by_the_other_process_which_is_started_again_where_it_ended(here):
     values, told = VALUES.copy(), []
     record = np.full((1, 3), 4.0, dtype=np.float32)
     with compiled_elsewhere(), watch_compilation(told.append):
@@ -111,7 +109,7 @@ def test_kernels_are_compiled_by_the_other_process_which_is_started_again_where_
     assert told[-1] is None
 
 
-def test_what_is_on_disk_needs_no_process(here: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_on_disk_needs_no_process(here, monkeypatch):
     sum_squares(VALUES)
     monkeypatch.delitem(vars(sum_squares), "entry")
     with compiled_elsewhere():
@@ -120,9 +118,7 @@ def test_what_is_on_disk_needs_no_process(here: list[str], monkeypatch: pytest.M
     assert here == ["sum_squares"]
 
 
-def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(
-    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(here, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setattr(digests, "FOLDER", tmp_path / "file" / "kernels")
     with compiled_elsewhere():
@@ -132,9 +128,7 @@ def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(
 
 
 @pytest.mark.parametrize("code", ["", "def main(): import sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
-def test_a_process_that_ends_early_is_done_without(
-    code: str, here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_process_that_ends_early_is_done_without(code, here, tmp_path, monkeypatch):
     (tmp_path / "ending_worker.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(processes, "WORKER", "ending_worker")
@@ -143,9 +137,7 @@ def test_a_process_that_ends_early_is_done_without(
     assert here == ["sum_squares"]
 
 
-def test_a_thread_that_waits_is_told_when_the_block_ends(
-    here: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_thread_that_waits_is_told_when_the_block_ends(here, tmp_path, monkeypatch):
     (tmp_path / "sleeping_worker.py").write_text("def main(): import time; time.sleep(600)")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(processes, "WORKER", "sleeping_worker")
@@ -168,14 +160,14 @@ def test_a_thread_that_waits_is_told_when_the_block_ends(
 
 
 @pytest.fixture
-def helper(monkeypatch: pytest.MonkeyPatch) -> Iterator[_Helper]:
+def helper(monkeypatch):
     monkeypatch.setattr(processes, "default_threads", lambda: 2)
     helper = _Helper()
     yield helper
     helper.finish()
 
 
-def test_a_process_that_still_compiles_for_nobody_is_stopped(helper: _Helper) -> None:
+def test_a_process_that_still_compiles_for_nobody_is_stopped(helper):
     helper.start()
     process = helper.process
     assert process is not None
@@ -188,7 +180,7 @@ def test_a_process_that_still_compiles_for_nobody_is_stopped(helper: _Helper) ->
     assert not process.wait(b"a kernel that takes long")  # it is compiled here
 
 
-def test_one_core_is_left_to_one_process(helper: _Helper, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_core_is_left_to_one_process(helper, monkeypatch):
     monkeypatch.setattr(processes, "default_threads", lambda: 1)
     helper.start()
     assert helper.process is None

@@ -8,7 +8,6 @@ from insonify.kernels.common import streams
 from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
 from insonify.scene.receiver.speckles import Rayleigh
 from insonify.scene.seabed.reliefs.fractal import Fractal
-from insonify.terrain.periodic_waves import GridShape
 
 
 def test_splitmix64_gives_the_published_sequence():
@@ -48,7 +47,7 @@ def test_every_integer_counts_and_so_does_its_place():
 
 
 @pytest.mark.parametrize("shape", [(16, 16), (15, 17), (1, 8), (8, 1)])
-def test_noise_of_unit_modulus_is_zero_only_at_the_mean_and_nyquist(shape: GridShape):
+def test_noise_of_unit_modulus_is_zero_only_at_the_mean_and_nyquist(shape):
     noise = wave_noise(1, 1, *shape, False)
     present = np.ones(noise.shape, dtype=bool)
     present[0, 0] = False

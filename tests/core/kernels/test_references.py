@@ -1,7 +1,7 @@
 """Kernels give back every array that they are handed or make: none is counted twice and kept for ever."""
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ SCENES = {
 
 
 @pytest.fixture(scope="module", autouse=True)
-def counted() -> Iterator[None]:
+def counted():
     """Count what is allocated and freed, as Numba does on request; collections pass over what other tests have made."""
     _nrt_python.memsys_enable_stats()
     gc.collect()
@@ -56,7 +56,7 @@ def left(call: Callable[[], object]) -> int:
 
 @pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", SCENES)
-def test_nothing_is_left_of_a_record_its_labels_and_an_explanation(name: str) -> None:
+def test_nothing_is_left_of_a_record_its_labels_and_an_explanation(name):
     simulation, pings = prepare(edit(load_scene(name), SCENES[name])), np.arange(5)
     assert left(lambda: simulation.intensity(pings)) == 0
     assert left(lambda: simulation.truth(pings)) == 0
@@ -64,6 +64,6 @@ def test_nothing_is_left_of_a_record_its_labels_and_an_explanation(name: str) ->
 
 
 @pytest.mark.parametrize("method", ["march", "rays"])
-def test_nothing_is_left_of_other_methods(method: str) -> None:
+def test_nothing_is_left_of_other_methods(method):
     simulation = prepare(edit(load_scene("targets"), SMALL | SEA), method=method, tolerance=0.3)
     assert left(lambda: simulation.intensity(np.arange(3))) == 0

@@ -1,4 +1,4 @@
-"""Actions in the record's panel: display options, contrast, measuring and contacts."""
+"""Actions on the record: display options, measuring, contacts, recordings beside it, targets and effects."""
 
 from PySide6.QtCore import QEvent
 
@@ -6,7 +6,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS
 from soak.actions import Random, Steps, action
-from soak.input import LEFT, choose_entry, mouse, pick
+from soak.input import LEFT, NONE, choose_entry, mouse, pick, wheel
 
 
 @action(2.0)
@@ -65,3 +65,52 @@ def keep_contacts(viewer: Viewer, random: Random) -> Steps:
     yield 200.0
     pick([listed.save, listed.open, listed.remove], random).click()
     yield 100.0
+
+
+@action(1.0)
+def look_at_recording(viewer: Viewer, random: Random) -> Steps:
+    """Open a recording, look along it while it is read or played, and mostly close it again."""
+    viewer.window.open_recording.trigger()
+    yield float(random.choice([20.0, 1500.0]))
+    for _ in range(random.integers(0, 6)):
+        viewer.recordings.look_back(int(random.integers(-40, 40)))
+        wheel(viewer.window.waterfall, int(random.choice([-120, 120])))
+        yield 100.0
+    if random.random() < 0.7:
+        viewer.recordings.close()
+        yield 50.0
+
+
+@action(3.0)
+def drag_handle(viewer: Viewer, random: Random) -> Steps:
+    """Choose a target, and mostly drag one of its handles over the record."""
+    record, targets = viewer.window.waterfall, viewer.session.scene.targets
+    viewer.targets.handles.choose(int(random.integers(len(targets))) if targets else None)
+    yield 30.0
+    handle = pick(list(record.handles._shown), random)
+    if handle is None:
+        return
+    place = record.handles.place(handle[0])
+    x, y = float(place.x()), float(place.y())
+    mouse(record, QEvent.Type.MouseMove, x, y, NONE)
+    mouse(record, QEvent.Type.MouseButtonPress, x, y, LEFT)
+    for across, along in random.normal(0.0, 6.0, (random.integers(1, 20), 2)):
+        x, y = x + across, y + along
+        mouse(record, QEvent.Type.MouseMove, x, y, LEFT)
+        yield 30.0
+    mouse(record, QEvent.Type.MouseButtonRelease, x, y, LEFT)
+    yield 100.0
+
+
+@action(2.0)
+def tick_effect(viewer: Viewer, random: Random) -> Steps:
+    """Take an effect out, and mostly bring it back."""
+    view = viewer.panels["parameters"].view
+    tick = pick([tick for tick in view.effects.ticks.values() if tick.isEnabled()], random)
+    if tick is None or not view.isEnabled():
+        return
+    tick.click()
+    yield float(random.choice([30.0, 500.0]))
+    if random.random() < 0.7 and tick.isEnabled():
+        tick.click()
+        yield 100.0
