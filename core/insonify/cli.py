@@ -135,7 +135,10 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
         try:
             entry.load()(subparsers)
         except ImportError as error:
-            missing = _not_loaded(entry, error) or missing
+            if _is_of_viewer(entry):
+                missing = error
+            else:
+                sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
     if "view" not in subparsers.choices:
         _add_missing_view(subparsers, missing)
     return parser, subparsers.choices
@@ -143,14 +146,6 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
 
 def _is_of_viewer(entry: importlib.metadata.EntryPoint) -> bool:
     return entry.module.partition(".")[0] == VIEWER
-
-
-def _not_loaded(entry: importlib.metadata.EntryPoint, error: ImportError) -> ImportError | None:
-    """Return why the viewer cannot be loaded; warn where it is the command of another package."""
-    if _is_of_viewer(entry):
-        return error
-    sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
-    return None
 
 
 def _add_missing_view(subparsers: Any, error: ImportError) -> None:

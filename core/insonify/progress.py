@@ -36,16 +36,13 @@ class CompilationBar:
     def __call__(self, compilation: Compilation | None) -> None:
         """Report a compilation, or that a kernel is finished."""
         if compilation is not None:
-            self._report(compilation)
+            if self._progress is None:
+                self._progress = open_progress(compilation.sentence, 1.0, delay=DELAY)
+            self._progress.say(compilation.sentence)
+            self._progress.reach(compilation.done)
         elif self._progress is not None:
             self._progress.close()
             self._progress = None
-
-    def _report(self, compilation: Compilation) -> None:
-        if self._progress is None:
-            self._progress = open_progress(compilation.sentence, 1.0, delay=DELAY)
-        self._progress.say(compilation.sentence)
-        self._progress.reach(compilation.done)
 
 
 class Progress(Protocol):

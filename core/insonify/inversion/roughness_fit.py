@@ -3,6 +3,7 @@
 Theory: docs/theory/inversion.md.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -112,18 +113,19 @@ def _densities(parameters: Floats, level: float, model: _GroupModel) -> tuple[Fl
     return whole, np.array([*parts, np.exp(level) * model.speckle])
 
 
-def _places(parameters: Floats, models: list[_GroupModel], number: int) -> list[int]:
-    """List the indices of a group's parameters: those of all power laws, and its level of speckle."""
+def _groups(
+    parameters: Floats, models: list[_GroupModel]
+) -> Iterator[tuple[_GroupModel, list[int], tuple[Floats, Floats]]]:
+    """Every group's model, indices of its parameters (all power laws, its level of speckle), and densities."""
     laws = 2 * len(models[0].transfers)
-    return [*range(laws), laws + number]
+    for number, model in enumerate(models):
+        yield model, [*range(laws), laws + number], _densities(parameters, parameters[laws + number], model)
 
 
 def _cost(parameters: Floats, models: list[_GroupModel]) -> tuple[float, Floats]:
     """Negative logarithm of Whittle's likelihood, and its gradient."""
     total, gradient = 0.0, np.zeros_like(parameters)
-    for number, model in enumerate(models):
-        places = _places(parameters, models, number)
-        whole, parts = _densities(parameters, parameters[places[-1]], model)
+    for model, places, (whole, parts) in _groups(parameters, models):
         total += model.weight * float((np.log(whole) + model.power / whole).sum())
         gradient[places] += model.weight * (parts @ ((1.0 - model.power / whole) / whole))
     return total, gradient
@@ -132,9 +134,7 @@ def _cost(parameters: Floats, models: list[_GroupModel]) -> tuple[float, Floats]
 def _information(parameters: Floats, models: list[_GroupModel]) -> Floats:
     """Fisher information: Σ over frequencies of ∂ ln S ∂ ln S, times the independent spectra that are averaged."""
     found = np.zeros((parameters.size, parameters.size))
-    for number, model in enumerate(models):
-        places = _places(parameters, models, number)
-        whole, parts = _densities(parameters, parameters[places[-1]], model)
+    for model, places, (whole, parts) in _groups(parameters, models):
         found[np.ix_(places, places)] += 2.0 * model.weight * ((parts / whole) @ (parts / whole).T)
     return found
 

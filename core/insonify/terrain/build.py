@@ -32,8 +32,6 @@ Pits = tuple[Pit, ...]
 # Heights above the datum, their lattice, and the datum.
 _GridHeights = tuple[Singles, Lattice, float]
 _kept_indices = keep_arrays(material_indices)
-# A map of materials, the period of the relief, the spacing, the seed and the map coordinates.
-_EndlessMap = tuple[MaterialMap, float, float, int, Georeference | None]
 
 
 def build_ground(scene: Scene) -> AnyGround:
@@ -119,8 +117,8 @@ def _dig(heights: Singles, lattice: Lattice, pits: Pits) -> Singles:
     return (heights + change).astype(np.float32)
 
 
-def _endless_map(scene: Scene) -> _EndlessMap:
-    """Return what the materials of endless ground depend on."""
+def _endless_map(scene: Scene) -> tuple[MaterialMap, float, float, int, Georeference | None]:
+    """Return what the materials of endless ground depend on: map, period of the relief, spacing, seed, coordinates."""
     seabed, material = scene.seabed, scene.seabed.material
     place = scene.georeference if material.on_a_map else None
     return material.layout, seabed.random_reliefs[0].period, seabed.spacing, scene.seed, place

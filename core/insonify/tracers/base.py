@@ -179,11 +179,13 @@ def _made(tracer: type[Tracer]) -> Tracer:
 
 
 def trace_blocks(
-    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], None], threads: int | None, least: int = 1
-) -> None:
-    """Share pings among threads, block by block; refuse a sonar inside a target."""
+    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, Singles], None], threads: int | None
+) -> Singles:
+    """Record of pings that threads trace block by block, each into its part; a sonar inside a target is refused."""
     refuse_sonar_in_target(arrays, poses)
-    share_blocks(poses, trace, threads, least)
+    out = empty_record(arrays, poses)
+    share_blocks(poses, lambda part, first, last: trace(part, out[first:last]), threads)
+    return out
 
 
 def share_blocks(poses: Poses, trace: Callable[[Poses, int, int], None], threads: int | None, least: int = 1) -> None:

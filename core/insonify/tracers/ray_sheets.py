@@ -4,7 +4,7 @@ from insonify.arrays import Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.rays.ray_sheets import trace_ray_sheets
 from insonify.scene import SceneError
-from insonify.tracers.base import empty_record, trace_blocks
+from insonify.tracers.base import trace_blocks
 
 
 def trace(
@@ -16,13 +16,9 @@ def trace(
         raise SceneError(f"rays: {rays} rays for {sheets} sheets are too few; give at least one per sheet")
     if not can_trace(arrays):
         raise SceneError("sheets: this method traces first echoes only; use rays for multipath and bounces")
-    out = empty_record(arrays, poses)
-
-    def block(part: Poses, first: int, last: int) -> None:
-        trace_ray_sheets(arrays, part, sheets, int(rays), out[first:last])
-
-    trace_blocks(arrays, poses, block, threads)
-    return out
+    return trace_blocks(
+        arrays, poses, lambda part, out: trace_ray_sheets(arrays, part, sheets, int(rays), out), threads
+    )
 
 
 def can_trace(arrays: SceneArrays) -> bool:

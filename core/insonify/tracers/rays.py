@@ -16,7 +16,7 @@ from insonify.kernels.rays.specular_paths import follow_specular_paths
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.parallel import count_threads
 from insonify.scene import Scene, SceneError
-from insonify.tracers.base import Ladder, Tracer, empty_record, trace_blocks
+from insonify.tracers.base import Ladder, Tracer, trace_blocks
 
 WALK = 0.0  # step that stands for an exact walk
 STRAIGHT, REFRACTED = 64, 256  # bytes that a thread holds of every ray of both sides
@@ -57,14 +57,12 @@ def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int |
 
 def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Singles:
     """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes."""
-    out = empty_record(arrays, poses)
 
-    def block(part: Poses, first: int, last: int) -> None:
+    def block(part: Poses, out: Singles) -> None:
         if arrays.multipath.enabled:
-            trace_multipath(arrays, part, int(rays), out[first:last])
+            trace_multipath(arrays, part, int(rays), out)
 
-    trace_blocks(arrays, poses, block, _affordable(rays, STRAIGHT, threads))
-    return out
+    return trace_blocks(arrays, poses, block, _affordable(rays, STRAIGHT, threads))
 
 
 def cast(
@@ -124,15 +122,13 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
     _refuse_bends(arrays, arrays.bounces)
     trace = trace_refracted_pings if arrays.water.bent else trace_straight_pings
-    out = empty_record(arrays, poses)
 
-    def block(part: Poses, first: int, last: int) -> None:
-        trace(arrays, part, int(rays), float(step), out[first:last])
+    def block(part: Poses, out: Singles) -> None:
+        trace(arrays, part, int(rays), float(step), out)
         if arrays.multipath.enabled:
-            trace_multipath(arrays, part, int(rays), out[first:last])
+            trace_multipath(arrays, part, int(rays), out)
 
-    trace_blocks(arrays, poses, block, _affordable(rays, REFRACTED if arrays.water.bent else STRAIGHT, threads))
-    return out
+    return trace_blocks(arrays, poses, block, _affordable(rays, REFRACTED if arrays.water.bent else STRAIGHT, threads))
 
 
 def _affordable(rays: int, size: int, threads: int | None) -> int:

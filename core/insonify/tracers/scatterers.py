@@ -17,12 +17,13 @@ from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_sa
 from insonify.kernels.speckle.surface_patches import SurfacePatches
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
+from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import Scene, SceneError
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.base import PreparedTracer, empty_record, trace_blocks
+from insonify.tracers.base import PreparedTracer, empty_record, share_blocks
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
@@ -75,7 +76,8 @@ class ScattererTracer(PreparedTracer):
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
-            trace_blocks(arrays, some, block, threads)
+            refuse_sonar_in_target(arrays, some)
+            share_blocks(some, block, threads)
             out[places] = traced
         return out
 

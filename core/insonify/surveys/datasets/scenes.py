@@ -111,12 +111,9 @@ def split_of(splits: Mapping[str, float], number: int) -> str:
 
 
 def check_draws(specification: DatasetSpecification, base: Scene) -> None:
-    """Find misspelt fields, draws of chips and pictures out of bounds, and values of which no scene can be made.
+    """Refuse misspelt fields, draws of chips and pictures out of bounds, and values of which no scene can be made.
 
-    Raises
-    ------
-    SceneError
-        If there are any. A scene that only some of the values make impossible is left to its job.
+    A scene that only some of the values make impossible is left to its job.
     """
     tables = {"": specification.set, **{f"targets.{group.name}.": group.set for group in specification.targets}}
     for prefix, table in tables.items():
