@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from beds import arrays_of
-from insonify.receiver import Reception
+from insonify.receiver import Reception, receive
 from insonify.receiver.reception import assemble
 from insonify.receiver.stage import ReceiverSetup
 from insonify.scene import Scene, edit, load_scene
@@ -31,6 +31,11 @@ def reception(
 ) -> Reception:
     arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=bin_length, half_width=half_width, spreading=spreading)
     return assemble(ReceiverSetup(scene_with(**changes), arrays, altitude, depth))
+
+
+def received(traced: np.ndarray, bin_length: float = 0.05, **settings: Any) -> np.ndarray:
+    """Record of traced echoes, from ping 0 on."""
+    return receive(reception(traced.shape[2], bin_length, **settings), traced, np.arange(len(traced)))
 
 
 def decibels(ratio: Any) -> Any:

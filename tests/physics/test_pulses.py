@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from insonify.acoustics.pulses import coherence, coherent_taps, envelope, pulse_taps
-from insonify.receiver import receive
 from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
-from receptions import reception
+from receptions import received
 
 SPEED = 1500.0
 BANDWIDTH = 30e3
@@ -62,15 +61,16 @@ def test_taps_of_a_chirp_are_integrals_over_bins():
         assert weight == pytest.approx((envelope(pulse, offset, SPEED) ** 2).mean(), abs=2e-5)
 
 
-def record_of(traced, bin_length, **changes):
-    return receive(reception(traced.shape[2], bin_length, **changes), traced, np.arange(len(traced)))
+def point(bins, at):
+    """One ping with an echo in one bin."""
+    traced = np.zeros((1, 2, bins), np.float32)
+    traced[:, :, at] = 1.0
+    return traced
 
 
 def test_the_record_of_a_point_is_the_response_of_the_pulse():
     bin_length, bins = 0.0005, 8000
-    traced = np.zeros((1, 2, bins), np.float32)
-    traced[:, :, 4000] = 1.0
-    record = record_of(traced, bin_length, sonar__pulse=chirp("uniform", 1e-3).model_dump())[0, 0]
+    record = received(point(bins, 4000), bin_length, sonar__pulse=chirp("uniform", 1e-3).model_dump())[0, 0]
     r = (np.arange(bins) - 4000) * bin_length
     assert np.argmax(record) == 4000
     assert width(r, record / record.max()) / CELL == pytest.approx(0.886, abs=0.02)
@@ -83,9 +83,7 @@ def test_the_record_of_a_point_is_the_response_of_the_pulse():
 @pytest.mark.parametrize("duration", [2e-5, 1e-4, 3.3e-4])
 def test_a_tone_resolves_half_its_length(duration):
     bin_length, bins = 0.0005, 2000
-    traced = np.zeros((1, 2, bins), np.float32)
-    traced[:, :, 100] = 1.0
-    record = record_of(traced, bin_length, sonar__pulse={"kind": "tone", "duration": duration})[0, 0]
+    record = received(point(bins, 100), bin_length, sonar__pulse={"kind": "tone", "duration": duration})[0, 0]
     assert np.count_nonzero(record > 0.5) * bin_length == pytest.approx(0.5 * SPEED * duration, abs=1.5 * bin_length)
     # The envelope, as a function of two-way time, has its first spectral null at 1/τ.
     time = 2.0 * bin_length / SPEED * np.arange(bins)
@@ -101,11 +99,9 @@ def test_an_even_bed_sums_what_a_point_sums(pulse):
     # A unit echo sums to the equivalent length in bins, and every bin of an even bed holds as much, to the last.
     total = pulse_taps(pulse, SPEED, 0.05).weights.sum()
     bed = np.ones((1, 2, 600), np.float32)
-    point = np.zeros_like(bed)
-    point[:, :, 300] = 1.0
     settings = {"sonar__pulse": pulse.model_dump()}
-    assert record_of(point, 0.05, **settings)[0, 0].sum() == pytest.approx(total, rel=1e-5)
-    np.testing.assert_allclose(record_of(bed, 0.05, **settings)[0, 0, 100:], total, rtol=1e-5)
+    assert received(point(600, 300), 0.05, **settings)[0, 0].sum() == pytest.approx(total, rel=1e-5)
+    np.testing.assert_allclose(received(bed, 0.05, **settings)[0, 0, 100:], total, rtol=1e-5)
 
 
 def test_equal_cells_make_equal_echoes():
@@ -119,7 +115,7 @@ def test_silence_stays_silent_beyond_the_pulse_and_nothing_is_negative():
     traced = np.zeros((2, 2, 500), np.float32)
     traced[:, :, 250:300] = np.random.default_rng(0).random((2, 2, 50))
     for window in WINDOWS:
-        record = record_of(traced, 0.05, sonar__pulse=chirp(window, 1e-3).model_dump())
+        record = received(traced, 0.05, sonar__pulse=chirp(window, 1e-3).model_dump())
         assert (record >= 0.0).all()
         # 1 ms reaches 15 bins either way.
         assert not record[:, :, :235].any()

@@ -1,6 +1,7 @@
 """Reverberation, noise and time-varied gain, against the sonar equation."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,9 +10,8 @@ from beds import arrays_of, tabulated_pattern
 from insonify.acoustics.resolution_cell import coherence_angle, surface_echo, volume_echo
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.kernels.common.types import TOP_HAT
-from insonify.receiver import receive
 from insonify.simulation import prepare
-from receptions import decibels, reception, scene_with
+from receptions import decibels, received, reception, scene_with
 
 BINS, BIN_LENGTH = 1000, 0.05
 R = (np.arange(BINS) + 0.5) * BIN_LENGTH
@@ -25,14 +25,8 @@ def arrays(width=FAN, bins=BINS, **options):
     )
 
 
-def ready(bins=BINS, width=FAN, **changes):
-    return reception(bins, half_width=0.5 * width, spreading=True, **changes)
-
-
-def record_of(traced, width=FAN, **changes):
-    return receive(ready(traced.shape[2], width, **changes), traced, np.arange(len(traced)))
-
-
+ready = partial(reception, BINS, half_width=0.5 * FAN, spreading=True)
+record_of = partial(received, half_width=0.5 * FAN, spreading=True)
 SILENCE = np.zeros((1, 2, BINS), np.float32)
 
 

@@ -1,19 +1,20 @@
-"""Surface multipath against the ranges as printed, integrals done by hand and single rays."""
+"""Surface multipath against the ranges as printed, integrals done by hand, single rays and grids of angles."""
 
+import itertools
 import math
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import pytest
 
 from beds import arrays_of, box_mesh, gaussian_pattern, mesh_of, poses_of, rough, tabulated_pattern
-from brute_force import gaussian
+from brute_force import frustum, gaussian, sphere
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.scene.water.surfaces import RoughSurface
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep
-from sea_surfaces import bright_ball, image_heights, naive_ghost, naive_level_ghost, under_sea
+from sea_surfaces import bright_ball, image_heights, naive_ghost, naive_level_ghost, naive_target_ghost, under_sea
 
 ALTITUDE, DEPTH = 20.0, 30.0
 FLAT = np.zeros((4, 4))
@@ -360,3 +361,91 @@ def test_a_squinting_beam_takes_in_what_every_azimuth_does(way, squint, law):
         record = ghost(trace, arrays, poses_of(0.0, 0.0, 10.0), 22.0, way)[0, 0]
         assert np.linalg.norm(record - right) < bound * np.linalg.norm(right)
         assert record.sum() == pytest.approx(right.sum(), rel=bias)
+
+
+# Round targets over a black bed, 8 m below the sonar, against launch angles and azimuths in plain NumPy.
+BALL = ((0.05, 12.0, 0.9), 0.6)
+PIPE = ((-4.0, 13.0, 0.5), (5.0, 12.5, 0.7), 0.3)
+CONE = ((0.3, 11.0, 0.2), (0.3, 11.0, 2.2), 1.0, 0.2)
+LYING_CONE = ((-1.5, 12.0, 1.2), (1.5, 13.0, 0.8), 0.9, 0.3)
+ROUND_BODIES = {
+    "ball": (BALL, sphere(*BALL)),
+    "pipe": (PIPE, frustum(*PIPE, PIPE[2])),
+    "cone": (CONE, frustum(*CONE)),
+    "lying cone": (LYING_CONE, frustum(*LYING_CONE)),
+}
+DULL, SHINY, NARROW = (0.7, 0.0, 1.0), (0.5, 0.4, 20.0), (0.0, 1.0, 200.0)
+
+
+def alone(body, material, law, half_width=0.0):
+    """A body over a black bed."""
+    arrays = arrays_of(
+        np.zeros((4, 4)), 0.5, periodic=True, bins=1200, bin_length=0.05, law=law, half_width=half_width,
+        reflectivity=[material, (0.0, 0.0, 1.0)], solids=[body],
+    )  # fmt: skip
+    return arrays._replace(bed=arrays.bed._replace(materials=np.ones_like(arrays.bed.materials)))
+
+
+@lru_cache
+def twin(name, way, law, material, across=1, up=20_000, half_width=0.0):
+    body, meet = ROUND_BODIES[name]
+    arrays = alone(body, material, law, half_width)
+    return naive_target_ghost(arrays, meet, material, 8.0, 7.0, way, across=across, up=up)
+
+
+def compare(trace, name, way, law, material, half_width=0.0, **grid):
+    right = twin(name, way, law, material, half_width=half_width, **grid)
+    arrays = alone(ROUND_BODIES[name][0], material, law, half_width)
+    record = ghost(trace, arrays, poses_of(0.0, 0.0, 8.0), 15.0, way)[0, 0]
+    return np.linalg.norm(record - right) / np.linalg.norm(right), abs(record.sum() / right.sum() - 1.0)
+
+
+EVERY = pytest.mark.parametrize(("name", "way"), list(itertools.product(ROUND_BODIES, BOTTOM_WAYS)))
+# Every body and every way once; a knife, which is quick, has all pairs.
+SOME = pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        pytest.param(name, way, marks=[pytest.mark.slow] * (name != "ball" and way != BOTTOM_WAYS[number % 3]))
+        for number, name in enumerate(ROUND_BODIES)
+        for way in BOTTOM_WAYS
+    ],
+)
+
+
+@pytest.mark.parametrize(
+    ("law", "material", "most", "bias"),
+    [
+        # The grid of angles resolves 0.06 % of the bins.
+        (LIGHT, DULL, 0.001, 0.0005),
+        (SONAR, SHINY, 0.003, 0.003),
+        pytest.param(LIGHT, SHINY, 0.001, 0.0005, marks=pytest.mark.slow),
+        pytest.param(SONAR, DULL, 0.003, 0.003, marks=pytest.mark.slow),
+    ],
+)
+@EVERY
+def test_a_knife_hears_a_round_body_as_a_grid_of_angles_does(name, way, law, material, most, bias):
+    error, off = compare(sweep.trace, name, way, law, material)
+    assert error < most
+    assert off < bias
+
+
+@SOME
+def test_rays_come_near_the_light_of_a_round_body(name, way):
+    """Rays of equal steps of angle are sparse in slant range at a body's edge: they converge slowly."""
+    error, off = compare(partial(rays.trace, rays=1 << 17), name, way, LIGHT, DULL)
+    assert error < 0.06
+    assert off < 0.02
+
+
+@pytest.mark.parametrize(("law", "bias"), [(LIGHT, 0.004), (SONAR, 0.001)])
+@pytest.mark.parametrize(("name", "way"), list(itertools.product(("ball", "pipe"), BOTTOM_WAYS)))
+def test_a_narrow_lobe_of_a_round_body_has_its_energy(name, way, law, bias):
+    assert compare(sweep.trace, name, way, law, NARROW)[1] < bias
+
+
+@SOME
+def test_a_fan_averages_the_light_of_a_round_body(name, way):
+    fan = {"half_width": math.radians(1.0), "across": 401, "up": 1000}
+    error, off = compare(partial(sweep.trace, planes=256), name, way, LIGHT, DULL, **fan)
+    assert error < 0.005
+    assert off < 0.003
