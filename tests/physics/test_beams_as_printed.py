@@ -13,7 +13,7 @@ from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
-from insonify.tracers.azimuth_fan import pattern_planes
+from insonify.tracers.azimuth_fan import lay_planes
 
 WAVELENGTH = 1500.0 / 400e3
 LENGTH = 0.5
@@ -206,15 +206,18 @@ def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decib
     assert 10.0 * math.log10(first_sidelobe) == pytest.approx(decibels, abs=0.7)
 
 
-def test_only_targets_lay_planes_across_sidelobes():
+def test_targets_in_sidelobes_have_planes_of_their_own():
     scene = edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}})
-    ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}
-    laid = [
-        pattern_planes(prepare(one).arrays, 16, 10.0, np.zeros(1)).azimuth.size
-        for one in (scene, edit(scene, {"targets": [ball]}))
-    ]
-    assert laid[0] < 60
-    assert laid[0] < laid[1] < 120
+    ball = edit(scene, {"targets": [{"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}]})
+    arrays = prepare(ball).arrays
+    sidelobe = 1.43 * WAVELENGTH / 0.3  # the sine of the highest one
+    poses = poses_of(-29.0 * sidelobe, 0.0, 10.0)
+    (_, alone), (_, divided) = (lay_planes(arrays, poses, 16, across=across)[0] for across in (0, 4))
+    filled = np.abs(divided.azimuth - math.atan(-sidelobe)) < 0.3 / 29.0
+    assert alone.azimuth.size < 60
+    assert filled.sum() >= 4
+    few, many = (sweep.trace(arrays, poses, planes=planes, across=4)[0] for planes in (16, 256))
+    assert np.linalg.norm(few - many) < 0.02 * np.linalg.norm(many)
 
 
 DOWN = np.radians(np.linspace(0.0, 89.0, 300))  # depressions

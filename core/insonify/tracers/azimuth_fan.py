@@ -40,7 +40,7 @@ INWARDS = 0.25
 # share of their number times their spacing.
 COARSER = 0.2
 SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes over that across the main lobe
-SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe, over a bed without targets
+SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe
 HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
 ROUNDED_DOWN = 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)  # share of a step below it
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
@@ -193,7 +193,6 @@ def pattern_planes(
         reach=arrays.bins * arrays.bin_length,
         relief=arrays.bed.high - arrays.bed.low,
         highest=highest_place(arrays) - arrays.bed.low,
-        targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
     )
     return _lay(outline, planes, height, tuple(pitches.tolist()), height if laid_at is None else laid_at)
 
@@ -209,7 +208,6 @@ class _Outline(NamedTuple):
     reach: float  # m
     relief: float  # m, from the lowest bed to the highest
     highest: float  # m, from the lowest bed to the highest place of bed and targets
-    targets: bool  # whether there are any
 
 
 @lru_cache(maxsize=1024)
@@ -259,7 +257,7 @@ class _Cone:
         # The lowest of the heights that are rounded up to this one reaches farthest out.
         lowest = max(height * ROUNDED_DOWN - outline.highest, 0.0)
         farthest = math.sqrt(max(outline.reach**2 - lowest**2, (0.1 * height) ** 2))
-        self.height, self.main, self.targets = height, outline.main, outline.targets
+        self.height, self.main = height, outline.main
         self.x = np.geomspace(nearest * min(height, farthest), farthest, GROUND_RANGES)
         # One row for each height and pitch.
         h, p = (grid.reshape(-1, 1) for grid in np.meshgrid(np.unique([above_highest, height]), pitches))
@@ -279,16 +277,10 @@ class _Cone:
         if not covered.size:
             # Azimuths outside the beam at every range are skipped, up to the nearest one inside.
             return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
-        if not taken.size and not self.targets:
+        if not taken.size:
             growth = SIDELOBE_GROWTH * (off - self.main_half).min()
             return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth) / cosine)
-        if not taken.size:
-            return SIDELOBE_STEP * self._main_step(covered[-1], planes) / cosine
-        step = self._main_step(taken[-1], planes)
-        if self.targets:
-            # Sidelobes receive from farther out than the main lobe takes in this azimuth; a target there may be small.
-            step = min(step, SIDELOBE_STEP * self._main_step(covered[-1], planes))
-        return step / cosine
+        return self._main_step(taken[-1], planes) / cosine
 
     def _main_step(self, at: int, planes: int) -> float:
         """Spacing of the planes across the main lobe at one of the ground ranges."""
