@@ -227,28 +227,24 @@ def prepare(
     with limited_threads(threads):
         packed = packed or pack(scene)
         refuse_track_off_bed(scene, packed.ground)
-        if plan is None:
-            chosen = choose_model(packed, tolerance, method, wishes)
-            if chosen.error > tolerance:
-                warnings.warn(PlanWarning(chosen.describe_excess(tolerance)), stacklevel=3)
-            return _prepare(packed, chosen, threads)
-        return _prepare(packed, keep_plan(packed, plan, method, wishes), threads)
-
-
-def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation:
-    """Make a planned scene ready to be traced."""
-    arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
-    return Simulation(
-        packed.scene,
-        packed.ground,
-        arrays,
-        plan=plan,
-        reduced=packed.reduce(plan.model),
-        tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
-        tracer=tracer,
-        reception=assemble(prepare_setup(packed.scene, packed.ground, arrays)),
-        threads=threads,
-    )
+        if plan is not None:
+            plan = keep_plan(packed, plan, method, wishes)
+        else:
+            plan = choose_model(packed, tolerance, method, wishes)
+            if plan.error > tolerance:
+                warnings.warn(PlanWarning(plan.describe_excess(tolerance)), stacklevel=3)
+        arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
+        return Simulation(
+            packed.scene,
+            packed.ground,
+            arrays,
+            plan=plan,
+            reduced=packed.reduce(plan.model),
+            tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
+            tracer=tracer,
+            reception=assemble(prepare_setup(packed.scene, packed.ground, arrays)),
+            threads=threads,
+        )
 
 
 def simulate(

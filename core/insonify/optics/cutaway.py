@@ -73,7 +73,8 @@ class Cutaway:
 def make_cutaway(optical: OpticalScene) -> Cutaway:
     """Choose the box to show: the targets, their shadows and the sonar, or a square of the swath without targets."""
     pose, arrays = optical.pose, optical.arrays
-    ahead, lamp = _ahead(optical.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
+    ahead = np.array([math.cos(optical.heading), math.sin(optical.heading), 0.0])
+    lamp = np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])
     reach = arrays.bins * arrays.bin_length
     beneath = float(np.nan_to_num(optical.ground.height_at(lamp[:1], lamp[1:2])[0]))
@@ -116,10 +117,6 @@ def _to_port(solids: Solids, mesh: Mesh, lamp: Floats, port: Floats) -> float:
         size = sizes[own].sum() + float(np.ptp(places[own], axis=0).max())
         balance += size * float(np.sign((places[own].mean(axis=0) - lamp) @ port))
     return balance
-
-
-def _ahead(heading: float) -> Floats:
-    return np.array([math.cos(heading), math.sin(heading), 0.0])
 
 
 def _target_points(solids: Solids, mesh: Mesh) -> Floats:
