@@ -13,23 +13,14 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
 from insonify.statistics import record_statistics
 from insonify.statistics.record_statistics import AmplitudeSpectrum, measure_statistics
+from level_records import level_record
 
 PINGS, BINS = 320, 512
 STEP, BIN = 0.25, 0.05
 
 
 def record(intensity: np.ndarray) -> xr.Dataset:
-    pings, bins = intensity.shape[1:]
-    return xr.Dataset(
-        {
-            "intensity": (("channel", "ping_time", "range_sample"), intensity.astype(np.float32)),
-            "platform_x": ("ping_time", STEP * np.arange(pings)),
-            "platform_y": ("ping_time", np.zeros(pings)),
-            "platform_altitude": ("ping_time", np.full(pings, 2.0)),
-        },
-        coords={"slant_range": ("range_sample", (np.arange(bins) + 0.5) * BIN)},
-        attrs={"title": "made up"},
-    )
+    return level_record(intensity, BIN, 2.0, STEP, title="made up")
 
 
 def lambert() -> np.ndarray:

@@ -38,6 +38,7 @@ from insonify.display.sheet import resample_rows, take_sheet_pings
 from insonify.kernels.display.rows import average_bins
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
+from level_records import level_record
 
 BINS = 200
 REACH = 50.0
@@ -45,16 +46,7 @@ ALTITUDE = 10.0
 
 
 def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
-    pings, bins = intensity.shape[1:]
-    return xr.Dataset(
-        {
-            "intensity": (("channel", "ping_time", "range_sample"), intensity.astype(np.float32)),
-            "platform_x": ("ping_time", 0.2 * np.arange(pings)),
-            "platform_y": ("ping_time", np.zeros(pings)),
-            "platform_altitude": ("ping_time", np.full(pings, altitude)),
-        },
-        coords={"slant_range": ("range_sample", (np.arange(bins) + 0.5) * REACH / bins)},
-    )
+    return level_record(intensity, REACH / intensity.shape[2], altitude, 0.2)
 
 
 def gather_sheet(blocks, relative, pings, look):
