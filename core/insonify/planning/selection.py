@@ -160,13 +160,17 @@ def _cheapest(case: Case, tolerance: float) -> Model:
     known = set()
     while True:
         *_, square, model = heappop(queue)
-        apart = math.sqrt(square + errors.square(FINE, model, tolerance**2 - square))
-        if apart <= tolerance and (not queue or measure_together(case, model, apart) <= tolerance):
-            return model
+        alone = not queue
         for finer in _finer(case, model):
             if finer not in known:
                 known.add(finer)
                 add(finer, square)
+        if queue and queue[0][0] < case.work(model):
+            add(model, square)
+            continue
+        apart = math.sqrt(square + errors.square(FINE, model, tolerance**2 - square))
+        if apart <= tolerance and (alone or measure_together(case, model, apart) <= tolerance):
+            return model
 
 
 def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: _Errors) -> list[Model]:
@@ -184,9 +188,13 @@ def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: 
 
 
 def _finer(case: Case, model: Model) -> Iterator[Model]:
-    """Models with the next finer setting of one of the choices of fineness."""
+    """Models with the next finer setting of a choice of fineness, and with those of less work than the one before.
+
+    More planes may take less work, where they lie densely enough for the targets without others between.
+    """
     for choice in FINE:
         values = choice.settings(case, model)
         following = values.index(getattr(model, choice.field)) + 1
-        if following < len(values):
-            yield model._replace(**{choice.field: values[following]})
+        finer = [model._replace(**{choice.field: value}) for value in values[following:]]
+        yield from finer[:1]
+        yield from (one for before, one in itertools.pairwise(finer) if case.work(one) < case.work(before))

@@ -33,7 +33,7 @@ FORESHORTENED, STRETCHED = 0.1, 4
 SPLAY = 0.4  # share of FORESHORTENED by which inner planes lie farther out than equal parts of the half width
 # Growth of an outer sector from its beginning to its end, as a share: of the first sector, and at most. Sectors widen
 # outwards, by which factor for few planes and for many: those near the bow reach few bins, and each costs a plane.
-OUTER_GROWTH, MOST_GROWTH, WIDENING, LEAST_WIDENING = 0.25, 2.5, 1.5, 1.1
+OUTER_GROWTH, MOST_GROWTH, WIDENING, LEAST_WIDENING = 0.3, 2.5, 1.5, 1.1
 # Share of an outer sector's width by which its plane lies inwards of its middle: at most ranges it is filled in part.
 INWARDS = 0.25
 # Nearer than twice the altitude planes may lie farther apart, since a bin holds more of the bed there: up to this

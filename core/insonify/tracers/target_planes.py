@@ -101,7 +101,17 @@ def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Boolea
 
 def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan) -> tuple[float, float]:
     """Planes that a ping of a track gets for its targets beyond those of a fan, and share of pings that get any."""
-    sectors = _sectors_over_track(scene, arrays, across)
+    sectors, known = _sectors_over_track(scene, arrays, across)
+    planes = fan.azimuth.size
+    if planes not in known:
+        known[planes] = _count_added_planes(scene, arrays, across, fan, sectors)
+    return known[planes]
+
+
+def _count_added_planes(
+    scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan, sectors: TargetSectors
+) -> tuple[float, float]:
+    """Count them for the sectors of a track."""
     divided = find_pings_to_divide(fan, sectors, np.full(sectors.low.shape[0], scene.altitude))
     if divided.size == 0:
         return 0.0, 0.0
@@ -116,11 +126,13 @@ def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: Azim
 
 
 @remember_latest
-def _sectors_over_track(scene: Scene, arrays: SceneArrays, across: int) -> TargetSectors:
-    """Sectors of targets at pings over a track, of a fish without motion."""
+def _sectors_over_track(
+    scene: Scene, arrays: SceneArrays, across: int
+) -> tuple[TargetSectors, dict[int, tuple[float, float]]]:
+    """Sectors of targets at pings over a track, of a fish without motion; what is counted of fans, by their planes."""
     pings = np.unique(np.linspace(0, scene.track.pings - 1, COUNTED).astype(np.int64))
     line, level = tow_line_at(scene, pings), np.zeros(pings.size)
-    return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across)
+    return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across), {}
 
 
 def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
