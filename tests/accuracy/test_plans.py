@@ -92,7 +92,7 @@ class Verdict:
 def judge(kind: str, seed: int, folder: Path, *, timed: bool = False) -> Verdict:
     draw_scene, stream, trace_reference = KINDS[kind]
     scene, *pings = draw_scene(seed, folder)
-    if scene.water.surface.kind != "none":
+    if kind == "planned" and scene.water.surface.kind != "none":
         scene = edit(scene, {"water.surface.surface_echo": False})
     tolerance = math.exp(np.random.default_rng([stream, seed]).uniform(*map(math.log, TOLERANCES)))
     packed = pack(scene)
