@@ -165,7 +165,7 @@ def _cheapest(case: Case, tolerance: float) -> Model:
             if finer not in known:
                 known.add(finer)
                 add(finer, square)
-        if queue and queue[0][0] < case.work(model):
+        if queue and queue[0][0] < case.work(model):  # a finer one takes less work, and is looked at before
             add(model, square)
             continue
         apart = math.sqrt(square + errors.square(FINE, model, tolerance**2 - square))
@@ -188,10 +188,8 @@ def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: 
 
 
 def _finer(case: Case, model: Model) -> Iterator[Model]:
-    """Models with the next finer setting of a choice of fineness, and with those of less work than the one before.
-
-    More planes may take less work, where they lie densely enough for the targets without others between.
-    """
+    """Models with the next finer setting of a choice of fineness, and with those of less work than the one before."""
+    # More planes may take less work: where they lie densely enough for the targets, none are laid between.
     for choice in FINE:
         values = choice.settings(case, model)
         following = values.index(getattr(model, choice.field)) + 1

@@ -280,12 +280,9 @@ class _Cone:
         if not taken.size:
             growth = SIDELOBE_GROWTH * (off - self.main_half).min()
             return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth) / cosine)
-        return self._main_step(taken[-1], planes) / cosine
-
-    def _main_step(self, at: int, planes: int) -> float:
-        """Spacing of the planes across the main lobe at one of the ground ranges."""
-        coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
-        return float(2.0 * self.main_half[:, at].min() / planes * coarser)
+        last = taken[-1]
+        coarser = min(max(2.0 * self.height / self.x[last], 1.0), max(COARSER * planes, 1.0))
+        return float(2.0 * self.main_half[:, last].min() / planes * coarser) / cosine
 
     def reach_between(self, low: float, high: float) -> float:
         """Greatest ground range at which any of an azimuth sector is in the beam, m; 0 if it is nowhere."""

@@ -59,6 +59,7 @@ class ScattererTracer(PreparedTracer):
         self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
     ) -> Complexes:
         """Sum of all scatterers' waves after the pulse, sample by sample."""
+        refuse_sonar_in_target(arrays, poses)
         # Bins beyond the last have its range factor.
         bins = arrays.bins + self.bins_beyond
         factor = np.pad(arrays.range_factor, (0, self.bins_beyond), mode="edge")
@@ -76,7 +77,6 @@ class ScattererTracer(PreparedTracer):
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
-            refuse_sonar_in_target(arrays, some)
             share_blocks(some, block, threads)
             out[places] = traced
         return out
