@@ -139,7 +139,7 @@ def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(water, material, 
     ("water", "material"),
     [
         pytest.param("thermocline", SHINY, id="thermocline-400"),
-        pytest.param("channel", "fine_sand", id="channel-40"),
+        pytest.param("channel", "fine_sand", id="channel-40", marks=pytest.mark.slow),
         pytest.param("thermocline", "fine_sand", id="thermocline-40", marks=pytest.mark.slow),
         pytest.param("channel", SHINY, id="channel-400", marks=pytest.mark.slow),
     ],

@@ -12,7 +12,7 @@ def running():
         yield made
 
 
-@pytest.mark.parametrize("count", [24, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(10_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", SAMPLES)
 def test_damaged_files_are_read_or_refused_in_one_sentence(running, name, count):
     results = [running.case(name, seed) for seed in range(round(SAMPLES[name].share * count))]

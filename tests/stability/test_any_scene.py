@@ -187,13 +187,13 @@ def work_of(scene: Scene) -> tuple[float, int]:
         tracemalloc.stop()
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=PATIENT)
+@settings(max_examples=15, deadline=None, suppress_health_check=PATIENT)
 @given(values=scenes())
 def test_any_scene_makes_a_record_or_says_why_not(values):
     check(values)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=PATIENT)
+@settings(max_examples=15, deadline=None, suppress_health_check=PATIENT)
 @given(values=spoiled_scenes())
 def test_any_mistake_is_one_sentence(values):
     check_spoiled(values)
