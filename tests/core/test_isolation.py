@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from commands import run_python
 from insonify import child_process
 from insonify.errors import SceneError
 from insonify.io import isolation
@@ -235,6 +234,7 @@ def test_a_program_that_ends_leaves_no_process(file):
         "import sys; from insonify.io.isolation import run_isolated; from test_isolation import give\n"
         "print(run_isolated(give, sys.argv[1])['process'])"
     )
-    code, printed, complaint = run_python("-W", "error", "-c", lines, file, env=WITH_THIS_MODULE)
-    assert (code, complaint) == (0, "")
-    assert not Path(f"/proc/{int(printed)}").exists()
+    command = [sys.executable, "-W", "error", "-c", lines, file]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=WITH_THIS_MODULE)
+    assert done.stderr == ""
+    assert not Path(f"/proc/{int(done.stdout)}").exists()
