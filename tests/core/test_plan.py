@@ -283,6 +283,25 @@ def test_what_is_forced_is_taken_and_marked_but_for_what_the_scene_leaves_no_cho
     assert plan(DEFAULT, forced={"method": "march", "step": "0.25"}).settings["step"] == 0.25
 
 
+@pytest.mark.parametrize(
+    ("scene", "forced"),
+    [
+        ("default", {"planes": "1"}),
+        ("default", {"spacing": "8"}),
+        ("thermocline", {"bending": "off"}),
+        ("thermocline", {"spacing": "8", "bending": "off"}),
+    ],
+    ids=lambda each: " ".join(each) if isinstance(each, dict) else each,
+)
+def test_for_what_is_forced_nothing_else_is_finer(scene, forced):
+    """Though its error, which the plan reports, exceeds the tolerance."""
+    usual, made = plan(load_scene(scene)), plan(load_scene(scene), forced=forced)
+    assert made.error > 0.03
+    assert made.planes == (1 if "planes" in forced else usual.planes)
+    assert made.model.misplaced == usual.model.misplaced
+    assert made.model.every == int(forced.get("spacing", usual.model.every))
+
+
 def test_what_is_forced_off_is_not_heard():
     without = prepare(SMALL, forced={"targets": "off"})
     bare = prepare(edit(SMALL, {"targets": []}), forced={"planes": str(without.plan.planes)})

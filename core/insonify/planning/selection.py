@@ -42,7 +42,8 @@ def plan(
         A tracer's name, or "auto".
     forced : mapping of str to str, optional
         Choices that are not left to the plan, by the subjects of its entries: {"planes": "16", "bending": "off"}.
-        A choice on a subject for which the scene has no alternatives has no effect.
+        A choice on a subject for which the scene has no alternatives has no effect. Errors of forced choices are
+        reported, and do not count against the tolerance.
 
     Returns
     -------

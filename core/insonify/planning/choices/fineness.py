@@ -443,14 +443,20 @@ class Spacing(Number):
 def measure_together(case: Case, model: Model, apart: float, cautious: bool = True) -> float:
     """Error of a swept model as a whole, in which what its choices leave out may add up or cancel.
 
-    By few planes the model is compared with the finest one; the error of its own planes is added.
+    By few planes the model is compared with the finest one; the error of its own planes is added. A cautious error is
+    that of what the plan chooses: settings that are forced are those of the finest model.
     """
-    planes, segments, fine = Planes(), Segments(), _finest(case, model)
+    planes, segments, spacing, fine = Planes(), Segments(), Spacing(), _finest(case, model)
     if not planes.applies(model):
         return apart
-    of_planes = planes.confirmed(case, model, cautious)
+
+    def is_free(choice: Choice) -> bool:
+        return not (cautious and choice.subject in case.forced)
+
+    of_planes = planes.confirmed(case, model, cautious) if is_free(planes) else 0.0
     if model.bent and case.folds:
-        return math.sqrt(apart**2 + of_planes**2 - planes.error(case, model) ** 2) if cautious else apart
+        counted = planes.error(case, model) if is_free(planes) else 0.0
+        return math.sqrt(apart**2 + of_planes**2 - counted**2) if cautious else apart
     few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
     whole = model._replace(
         planes=few,
@@ -460,11 +466,12 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
         bent=model.bent and fine.bent,
         ways=model.ways & fine.ways,
     )
-    errors = [choice.error(case, model, cautious) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
-    errors.append(case.probe.difference(whole, fine._replace(planes=few), cautious=cautious))
-    errors.append(segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious))
-    errors.append(TargetPlanes().error(case, model, cautious))
-    return math.hypot(of_planes, *errors)
+    fine = fine._replace(planes=few, every=fine.every if is_free(spacing) else model.every)
+    parts: list[tuple[Choice, Model]] = [(choice, model) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
+    parts.append((segments, model._replace(misplaced=min(model.misplaced, fine.misplaced))))
+    parts.append((TargetPlanes(), model))
+    errors = [choice.error(case, one, cautious) for choice, one in parts if is_free(choice)]
+    return math.hypot(of_planes, case.probe.difference(whole, fine, cautious=cautious), *errors)
 
 
 def _single(case: Case, model: Model) -> Model:
