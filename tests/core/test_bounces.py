@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, icosphere, mesh_of, poses_of, rough
+from beds import BOX_FACES, arrays_of, box_corners, icosphere, mesh_of, poses_of, rough
+from brute_force import strength
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter_strength, bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR
@@ -19,11 +20,7 @@ DEEP = np.full((2, 2), -1e6)  # a bed out of the way
 SHINY = (0.5, 0.4, 7.0)
 WALL = [(-99.0, 20.0, -99.0), (99.0, 20.0, -99.0), (99.0, 20.0, 99.0), (-99.0, 20.0, 99.0)]
 QUAD = [(0, 1, 2), (0, 2, 3)]
-CUBE = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) - 0.5
-CUBE_FACES = [
-    f for a, b, c, d in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    for f in ((a, b, c), (a, c, d))
-]  # fmt: skip
+CUBE = box_corners((-0.5,) * 3, (0.5,) * 3)
 
 
 def scene_of(interface, *, mesh=None, mesh_material=0, **options):
@@ -67,7 +64,7 @@ def test_energy_is_neither_made_nor_lost_where_nothing_absorbs():
     rng = np.random.default_rng(2)
     bodies = [((2.0, 0.0, 0.0), 1.0), ((-3.0, -1.0, 0.0), (-1.0, -2.0, 1.0), 0.4, 0.9), ((0.0, 2.0, -2.0), 0.7)]
     room, box = icosphere(2, 6.0), CUBE * 1.5 + (0.0, 0.0, 2.5)
-    mesh = mesh_of([*room[0], *box], [*room[1].tolist(), *(np.array(CUBE_FACES) + len(room[0])).tolist()], target=7)
+    mesh = mesh_of([*room[0], *box], [*room[1].tolist(), *(np.array(BOX_FACES) + len(room[0])).tolist()], target=7)
     arrays = scene_of([(0.6, 1.6), (1.0, 1.0), (0.3, 0.6)], solids=bodies)
     outside = np.linalg.norm(mesh.corners, axis=2).min(axis=1) > 5.9
     arrays = arrays._replace(
@@ -115,7 +112,7 @@ def test_a_lens_by_snell_and_by_its_focus():
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (500_000.0, 5_800_000.0, 0.0)])
 def test_a_slab_shifts_a_ray_and_steel_turns_it_back(shift):
     # A closed box of triangles: in and out again parallel; beyond the critical angle everything is reflected.
-    box, bound = mesh_of(CUBE * (40.0, 40.0, 2.0) + shift, CUBE_FACES), 1e-10 if shift[0] == 0.0 else 1e-6
+    box, bound = mesh_of(CUBE * (40.0, 40.0, 2.0) + shift, BOX_FACES), 1e-10 if shift[0] == 0.0 else 1e-6
     for speeds, sine, passes in ((1.5, 0.3, True), (0.7, 0.6, True), (3.9, 0.3, False)):
         arrays = scene_of([(0.8, speeds)], mesh=box)
         start = np.add(shift, (0.1, 0.2, 4.0))
@@ -175,7 +172,7 @@ def last_edges(arrays, bundle, through, out):
 )
 def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
     # Off and through balls, pipes and cones, onto the walls and the floor of a room around them.
-    room = mesh_of(CUBE * 60.0, CUBE_FACES)
+    room = mesh_of(CUBE * 60.0, BOX_FACES)
     arrays = scene_of([(0.5, 0.8), (1.0, 1.0)], solids=[body], mesh=room, mesh_material=1)._replace(bounces=9)
     elevation, azimuth, step = -0.44, 1.53, 1e-5
     angles = [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
@@ -202,16 +199,13 @@ def circle_cut(image, sonar, centre, radius, law, mixed, arrays):
     if not mixed:
         r, cos_r = s, cos_s
     away = (((image - point) * ((sonar if mixed else image) - point)).sum(1)) / (s * r)
-    mirrored = np.maximum(2.0 * cos_s * cos_r - away, 0.0) ** SHINY[2]
     seen = (cos_s > 0.0) & (cos_r > 0.0)
-    ways = 2.0 if mixed else 1.0
     ranges = 0.5 * (s + r)
+    value = (2.0 if mixed else 1.0) * strength(cos_s, SHINY, law, other=cos_r, towards=away)
     if law == LIGHT:
-        value = SHINY[0] * (cos_s + cos_r) * ways / 2.0 + ways * SHINY[1] * mirrored
         value *= np.abs(np.gradient(ranges)) / arrays.bin_length
     else:
-        sigma = cos_s * cos_r / math.pi * (SHINY[0] + SHINY[1] * (SHINY[2] + 2.0) / 2.0 * mirrored)
-        value = ways * sigma * ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
+        value *= ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
     return np.bincount((ranges[seen] / arrays.bin_length).astype(int), value[seen], arrays.bins)[: arrays.bins]
 
 

@@ -130,12 +130,10 @@ def test_plan_names_the_method(capsys):
     assert table[0].split() == ["Modelled", "error", "cost"]
     assert table[1].split()[0] == "sweep"
     assert main(["plan", "default", "--method", "rays", "--model", "targets=off", "--set", "track.pings=9"]) == 0
-    table = capsys.readouterr().out.splitlines()
-    assert table[1].split()[0] == "rays"
-    assert table[table.index(next(line for line in table if line.startswith("Left out"))) + 1].split()[:2] == [
-        "3",
-        "targets",
-    ]
+    printed = capsys.readouterr().out
+    assert printed.splitlines()[1].split()[0] == "rays"
+    _, left_out = printed.split("\nLeft out", 1)
+    assert left_out.splitlines()[1].split()[:2] == ["3", "targets"]
 
 
 @pytest.mark.parametrize(("truth", "suffix"), [(False, ".nc"), (True, ".nc"), (True, ".npz"), (True, ".zarr")])
@@ -153,17 +151,12 @@ def test_a_file_holds_what_simulate_returns(tmp_path, capsys, suffix, truth):
         assert "--truth" in refused(capsys, "render", str(path), "-o", str(tmp_path / "again.nc"), "--truth")
 
 
-def test_settings_change_the_record_and_threads_do_not(tmp_path):
-    cases = {
-        "a": ["--threads", "1"],
-        "b": ["--threads", "2"],
-        "c": ["--set", "track.altitude=12", "--set", "targets.0.gap=2"],
-    }
-    for name, extra in cases.items():
-        assert main(["render", *SMALL, "-o", str(tmp_path / f"{name}.npz"), *extra]) == 0
-    a, b, c = (np.load(tmp_path / f"{name}.npz")["intensity"] for name in cases)
-    np.testing.assert_array_equal(a, b)
-    assert a[0, 0].argmax() < c[0, 0].argmax()
+def test_settings_change_the_record(tmp_path):
+    first = []
+    for extra in ([], ["--set", "track.altitude=12", "--set", "targets.0.gap=2"]):
+        assert main(["render", *SMALL, "-o", str(tmp_path / "a.npz"), *extra]) == 0
+        first.append(np.load(tmp_path / "a.npz")["intensity"][0, 0].argmax())
+    assert first[0] < first[1]
 
 
 @pytest.mark.parametrize("options", [[], ["--side", "port"], ["--ground-range", "--palette", "pen", "--gain", "-3"]])

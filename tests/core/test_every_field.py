@@ -68,39 +68,21 @@ WHY_NOT |= {
 }
 
 
-FILES = {
-    "BED": "bed.npy",
-    "OTHER": "other.npy",
-    "MAP": "map.tif",
-    "OTHER_MAP": "other.tif",
-    "SHAPE": "shape.obj",
-    "TOW": "tow.csv",
-    "OTHER_TOW": "other.csv",
-    "CAST": "cast.csv",
-    "OTHER_CAST": "other_cast.csv",
-    "CORRELATION": "correlation.csv",
-    "OTHER_CORRELATION": "other_correlation.csv",
-    "PICTURE": "picture.png",
-    "NEGATIVE": "negative.png",
-}
-
-
 @pytest.fixture(scope="module")
 def bed_files(tmp_path_factory):
-    """Paths by the names above: arrays of heights, maps, a tetrahedron, tows, casts, correlations and pictures."""
+    """Beds, maps, a tetrahedron, tows, casts, correlations and pictures, by their names as changes give them."""
     folder = tmp_path_factory.mktemp("beds")
     y, x = np.mgrid[0:80, 0:80] * 0.5
     bed = -30.0 + 0.2 * np.sin(x) * np.cos(0.7 * y)
-    for name, heights in (("bed", bed), ("other", bed.T)):
-        np.save(folder / f"{name}.npy", heights)
-        suffix = "map.tif" if name == "bed" else "other.tif"
-        write_tiff(folder / suffix, heights, pixel=(0.5, 0.5), corner=(980.0, 2020.0), crs="EPSG:32631")
+    for grid, chart, heights in (("bed", "map", bed), ("other", "other_map", bed.T)):
+        np.save(folder / f"{grid}.npy", heights)
+        write_tiff(folder / f"{chart}.tif", heights, pixel=(0.5, 0.5), corner=(980.0, 2020.0), crs="EPSG:32631")
     rows = [f"{d},{18 - 0.05 * d - 6 * (d > 23)},{34 + 0.02 * d}" for d in range(31)]
     head = "depth,temperature,salinity"
     for name, text in {
         "shape.obj": "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
         "tow.csv": "time,y,x\n0,0,0\n2,1,2\n",
-        "other.csv": "time,depth\n0,20\n1,22\n",
+        "other_tow.csv": "time,depth\n0,20\n1,22\n",
         "cast.csv": "\n".join([head, *rows]),
         "other_cast.csv": "\n".join([head, *rows[::-1], "20.3,25,35"]),
         "correlation.csv": "lag,autocorrelation\n0,1\n1,0.4\n3,0\n",
@@ -110,7 +92,7 @@ def bed_files(tmp_path_factory):
     grey = np.where(np.add.outer(np.arange(12), np.arange(12)) % 5 < 2, 0, 255).astype(np.uint8)
     Image.fromarray(grey).save(folder / "picture.png")
     Image.fromarray(255 - grey).save(folder / "negative.png")
-    return {name: folder / file for name, file in FILES.items()}
+    return {path.stem.upper(): path for path in folder.iterdir()}
 
 
 def with_files(changes, files):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from commands import run_python
 from insonify import cli
 from insonify.io.records import read_record
 
@@ -37,7 +38,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A record of each format."""
     folder = tmp_path_factory.mktemp("whole")
     for suffix in OUTPUTS:
-        assert render(folder / f"record{suffix}") == 0
+        assert render(folder / f"record{suffix}", "--threads", "2") == 0
     return folder
 
 
@@ -55,12 +56,6 @@ print(codes)
 LIMITED = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))\n"
 
 
-def run(words: list[str], environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
-    """Run Python in a process of its own."""
-    command = [sys.executable, *words]
-    return subprocess.run(command, capture_output=True, check=False, encoding="utf-8", env=environment)
-
-
 def test_a_file_that_may_not_grow_leaves_the_old_ones(tmp_path, whole):
     for suffix in OUTPUTS[:2]:
         (tmp_path / f"record{suffix}").write_text("old")
@@ -68,11 +63,9 @@ def test_a_file_that_may_not_grow_leaves_the_old_ones(tmp_path, whole):
     # Bytecode cut short would stay and break imports; that of the process that reads files is complete after one file.
     read_record(whole / "record.nc")
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
-    done = run(["-c", LIMITED + EACH, str(whole / "record.nc"), *paths], environment)
-    assert done.stdout.splitlines()[-1] == str([2] * len(OUTPUTS)), done.stderr
-    lines = done.stderr.splitlines()
-    assert len(lines) == len(OUTPUTS), done.stderr
-    for line, path in zip(lines, paths):
+    _, codes, told = run_python("-c", LIMITED + EACH, str(whole / "record.nc"), *paths, env=environment)
+    assert codes.splitlines()[-1] == str([2] * len(OUTPUTS)), told
+    for line, path in zip(told.splitlines(), paths, strict=True):
         assert line.startswith(f"insonify: {path}: ")
         assert line.endswith("; check the path, its permissions and the disk")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["record.nc", "record.npz"]
@@ -154,13 +147,13 @@ def test_a_name_that_is_too_long_is_one_sentence(tmp_path, capsys, name):
 def test_names_that_are_no_text_are_written_or_refused(tmp_path, whole):
     paths = [tmp_path / f"\udcff{suffix}" for suffix in (*OUTPUTS, ".tif")]
     written = [path for path in paths if path.suffix not in (".nc", ".tif")]
-    words = ["-c", EACH, str(whole / "record.nc"), *map(str, paths)]
-    done = run(words, {"PYTHONIOENCODING": "utf-8:strict"})
-    *told, codes = done.stdout.splitlines()
-    assert codes == str([0 if path in written else 2 for path in paths]), done.stderr
+    options = {"env": {"PYTHONIOENCODING": "utf-8:strict"}, "encoding": "utf-8"}
+    _, printed, refused = run_python("-c", EACH, str(whole / "record.nc"), *map(str, paths), **options)
+    *told, codes = printed.splitlines()
+    assert codes == str([0 if path in written else 2 for path in paths]), refused
     assert len(told) == len(written)
     assert all(r"\udcff" in line for line in told)
-    for line, suffix in zip(done.stderr.splitlines(), (".nc", ".tif"), strict=True):
+    for line, suffix in zip(refused.splitlines(), (".nc", ".tif"), strict=True):
         assert rf"\udcff{suffix}" in line
         assert "needs a path in UTF-8; check the path" in line
     assert set(tmp_path.iterdir()) == set(written)
@@ -200,8 +193,8 @@ PLACES = {
 
 @pytest.mark.parametrize("place", PLACES)
 def test_a_command_needs_no_home(tmp_path, place):
-    done = run(["-m", "insonify", "relief", "figure-2a", "-o", str(tmp_path / "bed.png")], PLACES[place])
-    assert (done.returncode, done.stderr) == (0, "")
+    words = ["-m", "insonify", "relief", "figure-2a", "-o", str(tmp_path / "bed.png")]
+    assert run_python(*words, env=PLACES[place])[::2] == (0, "")
     assert (tmp_path / "bed.png").is_file()
 
 
@@ -216,6 +209,5 @@ def test_a_command_needs_no_home(tmp_path, place):
 def test_a_command_is_the_same_in_any_interpreter_and_language(tmp_path, whole, environment, options):
     path = tmp_path / "Lübeck ☃.npz"
     words = [*options, "-m", "insonify", "render", str(whole / "record.nc"), "-o", str(path)]
-    done = run(words, os.environ | environment)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert run_python(*words, env=os.environ | environment, encoding="utf-8")[::2] == (0, "")
     np.testing.assert_array_equal(read_record(path).intensity, read_record(whole / "record.npz").intensity)

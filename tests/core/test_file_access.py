@@ -4,8 +4,6 @@ import io
 import json
 import os
 import stat
-import subprocess
-import sys
 import threading
 import warnings
 import zipfile
@@ -16,6 +14,7 @@ import pytest
 import trimesh
 from PIL import Image
 
+from commands import output_of
 from insonify.errors import FileWarning
 from insonify.io import file_access
 from insonify.io.bathymetry import read_grid
@@ -114,8 +113,7 @@ def test_no_driver_of_gdal_is_left_that_asks_a_server_or_runs_code():
         "import os, rasterio; from insonify.io.isolation import SETTINGS; os.environ.update(SETTINGS)\n"
         "with rasterio.Env() as environment: print(*environment.drivers())"
     )
-    done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)
-    left = set(done.stdout.split())
+    left = set(output_of("-c", lines))
     assert {"GTiff", "BAG", "AAIGrid"} <= left
     assert not left & {"VRT", "WMS", "WCS", "WMTS", "HTTP", "OGCAPI", "STACTA", "STACIT", "GTI", "netCDF", "Zarr"}
 
@@ -220,63 +218,52 @@ def test_a_text_of_more_than_its_limit_is_refused(tmp_path):
         load_scene(tmp_path / "scene.toml")
 
 
-def gltf(folder: Path) -> tuple[Path, dict]:
-    for name, content in trimesh.Scene(trimesh.creation.box()).export(file_type="gltf", merge_buffers=True).items():
-        (folder / name).write_bytes(content)
-    return folder / "model.gltf", json.loads((folder / "model.gltf").read_text())
-
-
-@pytest.mark.parametrize("place", ["../outside.bin", "{folder}/outside.bin", "link.bin"])
-def test_what_a_mesh_refers_to_lies_beside_it(tmp_path, place):
-    folder = tmp_path / "model"
+def gltf(folder: Path, place: str, uri: str) -> str:
+    """Write a box of which the buffer lies in one place and is looked for in another."""
     folder.mkdir()
-    path, document = gltf(folder)
-    assert len(read_mesh(str(path))) == 12
-    (folder / document["buffers"][0]["uri"]).rename(tmp_path / "outside.bin")
-    (folder / "link.bin").symlink_to(tmp_path / "outside.bin")
-    document["buffers"][0]["uri"] = place.format(folder=tmp_path)
-    path.write_text(json.dumps(document))
-    os.utime(path, (1, 1))
-    with pytest.raises(SceneError, match=r"refers to '.*'; keep what it refers to beside it, under a relative path"):
-        read_mesh(str(path))
+    files = trimesh.Scene(trimesh.creation.box()).export(file_type="gltf", merge_buffers=True)
+    document = json.loads(files.pop("model.gltf"))
+    (buffer,) = files.values()
+    document["buffers"][0]["uri"] = uri
+    (folder / "model.gltf").write_text(json.dumps(document))
+    (folder / place).parent.mkdir(exist_ok=True)
+    (folder / place).write_bytes(buffer)
+    return str(folder / "model.gltf")
 
 
-def test_a_mesh_may_refer_to_a_folder_beside_it_but_to_nothing_missing_and_no_pipe(tmp_path):
-    path, document = gltf(tmp_path)
-    (tmp_path / "data").mkdir()
-    (tmp_path / document["buffers"][0]["uri"]).rename(tmp_path / "data" / "b.bin")
-    document["buffers"][0]["uri"] = "data/b.bin"
-    path.write_text(json.dumps(document))
-    assert len(read_mesh(str(path))) == 12
-    (tmp_path / "data" / "b.bin").unlink()
-    os.utime(path, (2, 2))
-    with pytest.raises(SceneError, match=r"refers to 'data/b\.bin', which does not exist; put it"):
-        read_mesh(str(path))
-    os.mkfifo(tmp_path / "data" / "b.bin")
-    os.utime(path, (1, 1))
-    with pytest.raises(SceneError, match=r"refers to 'data/b\.bin', which is a device or a pipe, .*; put it beside"):
-        read_mesh(str(path))
+BESIDE = "keep what it refers to beside it, under a relative path"
 
 
-def test_a_part_of_a_mesh_may_have_spaces_in_its_name(tmp_path):
-    path, document = gltf(tmp_path)
-    (tmp_path / document["buffers"][0]["uri"]).rename(tmp_path / "part one.bin")
-    document["buffers"][0]["uri"] = "part%20one.bin"
-    path.write_text(json.dumps(document))
-    assert len(read_mesh(str(path))) == 12
-    document["buffers"][0]["uri"] = "%2e%2e/part%20one.bin"
-    path.write_text(json.dumps(document))
-    os.utime(path, (1, 1))
-    with pytest.raises(SceneError, match=r"refers to '\.\./part one\.bin'; keep what it refers to beside it"):
-        read_mesh(str(path))
+@pytest.mark.parametrize(
+    ("place", "uri", "words"),
+    [
+        ("b.bin", "b.bin", None),
+        ("data/b.bin", "data/b.bin", None),
+        ("part one.bin", "part%20one.bin", None),
+        ("../b.bin", "../b.bin", rf"refers to '\.\./b\.bin'; {BESIDE}"),
+        ("../b.bin", "{folder}/b.bin", rf"refers to '/.*/b\.bin'; {BESIDE}"),
+        ("../b.bin", "link.bin", rf"refers to 'link\.bin'; {BESIDE}"),
+        ("../part one.bin", "%2e%2e/part%20one.bin", rf"refers to '\.\./part one\.bin'; {BESIDE}"),
+        ("b.bin", "data/b.bin", r"refers to 'data/b\.bin', which does not exist; put it"),
+        ("b.bin", "pipe.bin", r"refers to 'pipe\.bin', which is a device or a pipe, .*; put it beside"),
+    ],
+)
+def test_what_a_mesh_refers_to_lies_beside_it(tmp_path, place, uri, words):
+    path = gltf(tmp_path / "model", place, uri.format(folder=tmp_path))
+    (tmp_path / "model" / "link.bin").symlink_to(tmp_path / "b.bin")
+    os.mkfifo(tmp_path / "model" / "pipe.bin")
+    if words is None:
+        assert len(read_mesh(path)) == 12
+        return
+    with pytest.raises(SceneError, match=words):
+        read_mesh(path)
 
 
 def test_another_mesh_is_not_read_for_a_damaged_one(tmp_path):
-    path, _ = gltf(tmp_path)
-    assert path.name == "model.gltf"
-    (tmp_path / "body.gltf").write_text("{")
+    damaged = Path(gltf(tmp_path / "model", "b.bin", "b.bin")).with_name("body.gltf")
+    damaged.write_text("{")
     with pytest.raises(SceneError, match=r"body\.gltf' is not a glTF document \(it is not JSON\); export it again"):
-        read_mesh(str(tmp_path / "body.gltf"))
+        read_mesh(str(damaged))
 
 
 def test_a_store_with_a_pipe_in_it_is_refused(tmp_path):

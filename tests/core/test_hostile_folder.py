@@ -2,13 +2,13 @@
 
 import importlib.util
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 import insonify
+from commands import run_python
 from insonify.cli import main
 from insonify.files import resources
 from small_sets import SET, SURVEY
@@ -21,7 +21,7 @@ lesson
 plan default
 relief default -o relief.png
 rays thermocline -o rays.png
-light default --set track.pings=8 -o light.png
+light pipe-on-bed --set seabed.relief=flat --set track.pings=8 -o light.png
 render default --set track.pings=8 -o new.nc
 render record.nc -o record.png
 compare record.nc record.nc -o compared.png
@@ -54,24 +54,18 @@ def folder(tmp_path_factory):
     return place
 
 
-def run(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run the installed command in a folder."""
-    script = Path(sys.executable).with_name("insonify")
-    return subprocess.run([script, *words], cwd=place, capture_output=True, text=True, check=False)
-
-
 def test_commands_import_nothing_of_the_current_folder(folder):
     """A json.py or a numpy.py beside somebody's data is not part of the program."""
-    command = [sys.executable, "-P", "-c", ONE_AFTER_THE_OTHER]
-    done = subprocess.run(command, cwd=folder, input=COMMANDS.lstrip(), capture_output=True, text=True, check=False)
-    assert (done.returncode, traces(folder)) == (0, set()), done.stdout + done.stderr
+    code, *told = run_python("-P", "-c", ONE_AFTER_THE_OTHER, cwd=folder, input=COMMANDS.lstrip())
+    assert (code, traces(folder)) == (0, set()), told
     assert not (folder / "stranger").exists()
 
 
 @pytest.mark.parametrize("words", STARTING)
 def test_workers_import_nothing_of_the_current_folder(folder, words):
-    done = run(folder, *words.split(), "--scheduler", "local:1")
-    assert (done.returncode, traces(folder)) == (0, set()), done.stderr
+    installed = Path(sys.executable).with_name("insonify")
+    code, *told = run_python(str(installed), *words.split(), "--scheduler", "local:1", cwd=folder)
+    assert (code, traces(folder)) == (0, set()), told
 
 
 @pytest.fixture(scope="module")
@@ -79,15 +73,9 @@ def loaded(tmp_path_factory):
     """Names of the packages, and of modules that Python takes from the current folder before it runs one of them."""
     place = tmp_path_factory.mktemp("probe")
     (place / "probe.py").write_text("import sys; print(*sys.modules)")
-    command = [sys.executable, "-m", "probe"]
-    found = subprocess.run(command, cwd=place, capture_output=True, text=True, check=True).stdout
+    code, found, _ = run_python("-m", "probe", cwd=place)
+    assert code == 0
     return {"insonify", "insonify_viewer", *found.split()}
-
-
-def run_module(place: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a package with ``python -m`` in a folder."""
-    command = [sys.executable, "-X", "faulthandler", "-m", *words]
-    return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize("words", ["insonify plan default", "insonify render record.nc -o m.png", "insonify_viewer -h"])
@@ -95,8 +83,8 @@ def test_python_with_m_imports_nothing_else_of_the_current_folder(folder, loaded
     """Python puts the folder first, and the program takes it out."""
     shutil.copy(folder / "record.nc", tmp_path)
     write_modules(tmp_path, left_out=loaded)
-    done = run_module(tmp_path, *words.split())
-    assert (done.returncode, traces(tmp_path)) == (0, set()), done.stderr
+    code, *told = run_python("-X", "faulthandler", "-m", *words.split(), cwd=tmp_path)
+    assert (code, traces(tmp_path)) == (0, set()), told
 
 
 def test_python_with_m_runs_a_checkout(loaded, tmp_path):
@@ -107,5 +95,5 @@ def test_python_with_m_runs_a_checkout(loaded, tmp_path):
     write_modules(core, left_out=loaded | lacking)
     (core / "insonify").symlink_to(Path(insonify.__file__).parent)
     (tmp_path / "resources").symlink_to(resources())
-    done = run_module(core, "insonify", "scenes")
-    assert (done.returncode, traces(core)) == (0, set()), done.stderr
+    code, *told = run_python("-X", "faulthandler", "-m", "insonify", "scenes", cwd=core)
+    assert (code, traces(core)) == (0, set()), told

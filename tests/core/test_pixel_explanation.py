@@ -134,17 +134,19 @@ def term(explained, name):
 
 
 def test_terms_over_a_level_bed_are_the_sonar_equation():
-    simulation = flat(water__absorption=100.0, receiver__source_level=200.0)
-    explained = explain_pixel(simulation, 10, 0, 250)
+    explained = explain_pixel(flat(water__absorption=100.0, receiver__source_level=200.0), 10, 0, 250)
     r, length = 25.05, 0.1
-    assert term(explained, "source level") == pytest.approx(200.0, abs=1e-4)
-    assert term(explained, "spreading") == pytest.approx(-40.0 * math.log10(r), abs=1e-3)
-    assert term(explained, "absorption") == pytest.approx(-2.0 * 0.1 * r, rel=1e-3)
-    assert term(explained, "material") == pytest.approx(10.0 * math.log10(0.5 / math.pi), abs=1e-6)
-    assert term(explained, "incidence") == pytest.approx(20.0 * math.log10(10.0 / r), abs=0.01)
     # A strip r Θ wide and Δr / cosθ long, θ the grazing angle.
     area = r * math.radians(2.5) * length / math.sqrt(1.0 - (10.0 / r) ** 2)
-    assert term(explained, "area") == pytest.approx(10.0 * math.log10(area), abs=0.02)
+    for name, expected in {
+        "source level": pytest.approx(200.0, abs=1e-4),
+        "spreading": pytest.approx(-40.0 * math.log10(r), abs=1e-3),
+        "absorption": pytest.approx(-2.0 * 0.1 * r, rel=1e-3),
+        "material": pytest.approx(10.0 * math.log10(0.5 / math.pi), abs=1e-6),
+        "incidence": pytest.approx(20.0 * math.log10(10.0 / r), abs=0.01),
+        "area": pytest.approx(10.0 * math.log10(area), abs=0.02),
+    }.items():
+        assert term(explained, name) == expected, name
     assert explained.contributions[0].ground_range == pytest.approx(math.sqrt(r * r - 100.0), abs=0.02)
     assert explained.contributions[0].incidence == pytest.approx(math.degrees(math.acos(10.0 / r)), abs=0.1)
 
@@ -241,21 +243,23 @@ def test_the_water_column_is_named_and_pixels_outside_the_record_are_refused():
             explain_pixel(simulation, *where)
 
 
-def test_ghosts_go_by_the_surface_and_take_as_long_as_they_are_recorded():
+def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_among_the_pixels_of_a_target():
     simulation = prepared(SCENES["ghosts"] | {"sonar__range": 70.0, "sonar__bins": 700})
     found = set()
     for pixel in range(300, 700, 13):
         explained = explain_pixel(simulation, 50, 0, pixel)
-        for each in explained.contributions:
-            if each.path in ("direct", "surface"):
-                continue
-            found.add(each.path)
-            for ray in each.rays:
-                one_way = 0.5 * np.linalg.norm(np.diff(ray, axis=0), axis=1).sum()
-                if each.path == "surface_bottom":
-                    assert ray[:, 2].max() == pytest.approx(simulation.arrays.water.surface)
-                    assert one_way == pytest.approx(explained.slant_range, abs=0.35)
+        ghosts = [each for each in explained.contributions if each.path not in ("direct", "surface")]
+        found |= {each.path for each in ghosts}
+        for ray in (ray for each in ghosts if each.path == "surface_bottom" for ray in each.rays):
+            one_way = 0.5 * np.linalg.norm(np.diff(ray, axis=0), axis=1).sum()
+            assert ray[:, 2].max() == pytest.approx(simulation.arrays.water.surface)
+            assert one_way == pytest.approx(explained.slant_range, abs=0.35)
     assert "surface_bottom" in found
+    listeners = find_listeners(simulation, np.array([12.0, -13.6, 1.1]), np.arange(40, 80))
+    assert {"direct", "surface_bottom"} <= {each.path for each in listeners}
+    ghost = next(each for each in listeners if each.path == "surface_bottom" and each.ping == 60)
+    sources = {(each.source, each.path) for each in explain_pixel(simulation, 60, 1, ghost.bin).contributions}
+    assert ("sphere 2", "surface_bottom") in sources
 
 
 def test_bent_rays_come_down_where_the_bed_returns_the_sound():
@@ -295,15 +299,6 @@ def test_a_place_is_heard_by_the_pixels_that_it_contributes_to(name):
         if again.contributions:
             near = abs(again.contributions[0].ground_range - explained.contributions[0].ground_range)
             assert near < 0.6
-
-
-def test_ghosts_of_a_target_are_among_its_pixels():
-    simulation = prepared(SCENES["ghosts"] | {"sonar__range": 70.0, "sonar__bins": 700})
-    listeners = find_listeners(simulation, np.array([12.0, -13.6, 1.1]), np.arange(40, 80))
-    assert {"direct", "surface_bottom"} <= {each.path for each in listeners}
-    ghost = next(each for each in listeners if each.path == "surface_bottom" and each.ping == 60)
-    sources = {(each.source, each.path) for each in explain_pixel(simulation, 60, 1, ghost.bin).contributions}
-    assert ("sphere 2", "surface_bottom") in sources
 
 
 def test_the_command_prints_the_terms_and_their_sum(capsys):

@@ -2,11 +2,12 @@
 
 import math
 from itertools import permutations
+from typing import Any
 
 import pytest
 
 from field_changes import RELIEFS, with_relief
-from insonify.scene import Scene, SceneError, edit, load_scene, plain, read_setting
+from insonify.scene import SceneError, edit, load_scene, plain, read_setting
 
 BOX, BALL = ({"kind": kind, "position": [1.0, 2.0]} for kind in ("box", "sphere"))
 PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
@@ -237,11 +238,15 @@ def test_a_byte_order_mark_is_no_matter_and_a_folder_no_scene(tmp_path):
         ("targets.0.radius=30cm", 0.3),
         ("title=3kn", "3kn"),
         ("water.absorption=francois_garrison", "francois_garrison"),
+        ("sonar.range=75", 75),
+        ("seabed.relief.peaks=[[8.0, 4.0]]", [[8.0, 4.0]]),
+        ("sonar.law=light", "light"),
+        ("title=a = b", "a = b"),
     ],
 )
-def test_a_number_may_have_a_unit_where_its_field_has_one(text: str, value: float | str) -> None:
+def test_a_setting_is_toml_a_bare_word_or_a_number_with_a_unit_where_its_field_has_one(text: str, value: Any) -> None:
     path, read = read_setting(text)
-    assert read == (pytest.approx(value) if isinstance(value, float) else value)
+    assert (path, read) == (text.partition("=")[0], pytest.approx(value) if isinstance(value, float) else value)
     edit(load_scene("default"), {path: read})
 
 
@@ -250,24 +255,15 @@ def test_an_unknown_unit_stays_text() -> None:
     assert read_setting("nowhere.at.all=3kn") == ("nowhere.at.all", "3kn")
 
 
-ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]
-
-
-@pytest.fixture
-def scene() -> Scene:
-    return load_scene("default")
-
-
 @pytest.mark.parametrize(("first", "second"), list(permutations(RELIEFS, 2)))
-def test_any_kind_follows_any_other(scene, first, second):
-    assert with_relief(with_relief(scene, kind=first), kind=second).seabed.relief.kind == second
+def test_any_kind_follows_any_other(first, second):
+    assert with_relief(with_relief(load_scene("default"), kind=first), kind=second).seabed.relief.kind == second
 
 
-@pytest.mark.parametrize("first", ENDLESS)
+@pytest.mark.parametrize("first", ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"])
 @pytest.mark.parametrize("second", RELIEFS)
-def test_any_kind_follows_an_endless_one(scene, first, second):
-    before = with_relief(scene, kind=first)
+def test_any_kind_follows_an_endless_one(first, second):
     place = {"of__0__extent": "endless"} if first == "sum" else {"extent": "endless"}
-    endless = with_relief(before, **place)
+    endless = with_relief(with_relief(load_scene("default"), kind=first), **place)
     assert endless.seabed.endless
     assert with_relief(endless, kind=second).seabed.relief.kind == second

@@ -54,11 +54,14 @@ def test_more_planes_across_a_target_tend_to_what_many_planes_find(name):
     packed = pack(scene)
     poses = make_poses(scene, packed.ground, np.array([0]))
     right = trace_model(packed, Model(planes=MANY, targets=(0,)), poses)
-    for across, bound in ((4, 0.01), (16, 0.002)):
-        record = trace_model(packed, Model(planes=2, across=across, targets=(0,)), poses)
-        assert compare_records(packed.arrays, poses, record, right).beyond < bound
-    alike = trace_model(packed, Model(planes=32, targets=(0,)), poses)
-    assert compare_records(packed.arrays, poses, alike, right).beyond > 0.01
+    models = (Model(planes=2, across=4), Model(planes=2, across=16), Model(planes=32))
+    few, more, alike = (
+        compare_records(packed.arrays, poses, trace_model(packed, model._replace(targets=(0,)), poses), right).beyond
+        for model in models
+    )
+    assert few < 0.01
+    assert more < 0.002
+    assert alike > 0.01
 
 
 PIPE = ((-4.0, 20.0, 0.3), (6.0, 14.0, 0.3), 0.3)

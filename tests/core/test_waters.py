@@ -154,17 +154,17 @@ def test_a_change_of_kind_takes_over_whole_tables_or_none():
         assert scene_from_toml(scene_to_toml(scene)) == scene
     # Fields of a new kind can be given with it.
     changes = {"water.depth": [0.0, 20.0], "water.sound_speed": [1510.0, 1500.0], "water.kind": "profile"}
-    scene = edit(load_scene("default"), changes)
-    assert scene.water == ProfileWater(depth=(0.0, 20.0), sound_speed=(1510.0, 1500.0))
+    expected = ProfileWater(depth=(0.0, 20.0), sound_speed=(1510.0, 1500.0))
+    assert edit(load_scene("default"), changes).water == expected
+
+
+WARM = {"kind": "hydrography", "temperature": [31.0, 18.0, 11.0, 10.0], "equation": "mackenzie"}
 
 
 @pytest.mark.parametrize(
     ("water", "told"),
     [
-        (
-            {"kind": "hydrography", "temperature": [31.0, 18.0, 11.0, 10.0], "equation": "mackenzie"},
-            "temperature 31 °C",
-        ),
+        (WARM, "temperature 31 °C"),
         ({"kind": "hydrography", "salinity": 20.0, "equation": "mackenzie"}, "salinity 20 "),
         ({"kind": "hydrography", "depth": [0.0, 5.0, 9.0, 1200.0], "equation": "paper"}, "depth 1200 m"),
         ({"kind": "uniform", "absorption": {"kind": "francois_garrison", "temperature": -2.0}}, "temperature -2 °C"),

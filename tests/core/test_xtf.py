@@ -80,24 +80,15 @@ def test_sound_speed_may_be_odd(tmp_path, given, speed):
 
 def test_the_platform_in_the_conventions_of_scenes(tmp_path):
     told = {"SensorPitch": 3.0, "SensorRoll": 2.0, "SensorDepth": 20.0, "SensorPrimaryAltitude": 5.0}
-    east = [0.0, -68.0, -68.0, -67.999, -67.999]  # the first ping has no fix, others repeat theirs
-    north = [0.0, 48.0, 48.0, 48.001, 48.001]
-    pings = [
-        {
-            **PING,
-            **(told if x else {}),
-            "SensorXcoordinate": x,
-            "SensorYcoordinate": y,
-            "SensorHeading": 90.0 if x else 0,
-        }
-        for x, y in zip(east, north)
-    ]
+    told["SensorHeading"] = 90.0  # east, which is 0 in a scene
+    # The first ping has no fix, others repeat theirs.
+    fixes = [(0.0, 0.0), (-68.0, 48.0), (-68.0, 48.0), (-67.999, 48.001), (-67.999, 48.001)]
+    pings = [{**PING, **(told if x else {}), "SensorXcoordinate": x, "SensorYcoordinate": y} for x, y in fixes]
     record = read_record(write_xtf(tmp_path / "a.xtf", pings))
     np.testing.assert_allclose(record["platform_x"], np.array([0, 0, 0.5, 1, 1]) * 74.6286, rtol=1e-4)
     np.testing.assert_allclose(record["platform_y"], np.array([0, 0, 0.5, 1, 1]) * 111.2, rtol=1e-3)
-    np.testing.assert_allclose(record["platform_heading"], 0.0, atol=1e-9)  # east
-    for name, value in (("pitch", 3.0), ("roll", 2.0), ("depth", 20.0), ("altitude", 5.0)):
-        np.testing.assert_allclose(record[f"platform_{name}"], value)
+    for name, value in (("heading", 0.0), ("pitch", 3.0), ("roll", 2.0), ("depth", 20.0), ("altitude", 5.0)):
+        np.testing.assert_allclose(record[f"platform_{name}"], value, atol=1e-9)
 
 
 def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
@@ -109,11 +100,10 @@ def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
 
 def test_wild_positions_do_not_count(tmp_path):
     xs = [-68.0, 1e300, -68.0, np.nan, -67.999]
-    record = read_record(
-        write_xtf(tmp_path / "a.xtf", [{**PING, "SensorXcoordinate": x, "SensorYcoordinate": 48.0} for x in xs])
-    )
-    np.testing.assert_allclose(record["platform_x"][[0, 4]], [0.0, 74.63], atol=0.01)
-    assert (np.diff(record["platform_x"]) >= 0.0).all()
+    pings = [{**PING, "SensorXcoordinate": x, "SensorYcoordinate": 48.0} for x in xs]
+    x = read_record(write_xtf(tmp_path / "a.xtf", pings))["platform_x"]
+    np.testing.assert_allclose(x[[0, 4]], [0.0, 74.63], atol=0.01)
+    assert (np.diff(x) >= 0.0).all()
 
 
 LATE, EARLY = {"Hour": 23, "Minute": 59, "Second": 59, "HSeconds": 50}, {"Second": 0, "HSeconds": 25}

@@ -47,18 +47,20 @@ def packets(path: Path) -> tuple[pyxtf.XTFFileHeader, list[pyxtf.XTFPingHeader]]
     return header, found[pyxtf.XTFHeaderType.sonar]
 
 
+def sides(pings: list[pyxtf.XTFPingHeader]) -> np.ndarray:
+    """Samples of port and starboard from near to far, (2, pings, bins)."""
+    return np.array([[ping.data[0][::-1] for ping in pings], [ping.data[1] for ping in pings]])
+
+
 @pytest.mark.parametrize("bits", BITS)
 def test_integers_round_amplitudes_to_their_unit_and_come_back_exactly(tmp_path, bits):
-    amplitude = np.random.default_rng(3).exponential(1e-3, (5, 2, 64))
-    record = made_record(amplitude)
+    record = made_record(np.random.default_rng(3).exponential(1e-3, (5, 2, 64)))
     write_record(tmp_path / "a.xtf", [record], bits=bits)
     header, pings = packets(tmp_path / "a.xtf")
     exact = np.sqrt(record.intensity.values)
     unit = header.ChanInfo[0].VoltScale / 256.0 ** header.ChanInfo[0].BytesPerSample
     assert 0.5 * 2 ** BITS[bits] <= exact.max() / unit < 2 ** BITS[bits]
-    for number, ping in enumerate(pings):
-        np.testing.assert_array_equal(ping.data[0][::-1], np.rint(exact[0, number].astype(np.float64) / unit))
-        np.testing.assert_array_equal(ping.data[1], np.rint(exact[1, number].astype(np.float64) / unit))
+    np.testing.assert_array_equal(sides(pings), np.rint(exact.astype(np.float64) / unit))
     read = np.sqrt(read_record(tmp_path / "a.xtf").intensity.values)
     np.testing.assert_allclose(read, exact, rtol=2e-7, atol=0.5 * unit)
     rounded = made_record(np.ldexp(random_counts(min(BITS[bits], 12)), -20))
@@ -69,22 +71,18 @@ def test_integers_round_amplitudes_to_their_unit_and_come_back_exactly(tmp_path,
 def test_floats_keep_every_amplitude(tmp_path):
     record = made_record(np.random.default_rng(3).exponential(1e-6, (5, 2, 64)))
     write_record(tmp_path / "a.xtf", [record], bits="float")
-    _, pings = packets(tmp_path / "a.xtf")
-    amplitude = np.sqrt(record.intensity.values)
-    np.testing.assert_array_equal([ping.data[0][::-1] for ping in pings], amplitude[0])
-    np.testing.assert_array_equal([ping.data[1] for ping in pings], amplitude[1])
+    np.testing.assert_array_equal(sides(packets(tmp_path / "a.xtf")[1]), np.sqrt(record.intensity.values))
     np.testing.assert_allclose(read_record(tmp_path / "a.xtf").intensity, record.intensity, rtol=2e-7)
 
 
 def test_silence_is_written_and_what_is_not_known_stays_unknown(tmp_path):
+    unknown = ["platform_altitude", "platform_heading", "platform_depth"]
     record = made_record(np.zeros((3, 2, 8)))
-    for name in ("platform_altitude", "platform_heading", "platform_depth"):
-        record[name] = record[name] * np.nan
+    record = record.assign({name: record[name] * np.nan for name in unknown})
     write_record(tmp_path / "a.xtf", [record])
     read = read_record(tmp_path / "a.xtf")
     assert not read.intensity.any()
-    for name in ("platform_altitude", "platform_heading", "platform_depth"):
-        assert np.isnan(read[name]).all()
+    assert all(np.isnan(read[name]).all() for name in unknown)
 
 
 def test_navigation_comes_back(tmp_path):
@@ -97,8 +95,8 @@ def test_navigation_comes_back(tmp_path):
     for name in ("depth", "altitude", "pitch", "roll", "heading"):
         np.testing.assert_allclose(read[f"platform_{name}"], record[f"platform_{name}"], rtol=1e-6, atol=2e-5)
     np.testing.assert_allclose(read.ping_time, record.ping_time, atol=1e-9)
-    np.testing.assert_allclose(read.slant_range, record.slant_range, rtol=1e-6)
-    np.testing.assert_allclose(read.travel_time, record.travel_time, rtol=1e-6)
+    for name in ("slant_range", "travel_time"):
+        np.testing.assert_allclose(read[name], record[name], rtol=1e-6)
     assert read.attrs["frequency"] == 400e3
 
 

@@ -36,16 +36,13 @@ def test_a_level_bed(law, half_width, spacing):
     _, truth = both(arrays, poses_of([0.0, 0.3], 0.1, ALTITUDE, 0.4))
     first = int(ALTITUDE / 0.05)
     edges = ground_extent(ALTITUDE, 1000, 0.05)
-    assert not truth.shadow.any()
-    assert (truth.target_id[..., :first] == -2).all()
-    assert (truth.material[..., :first] == -1).all()
-    assert (truth.path[..., :first] == -1).all()
-    assert np.isnan(truth.ground_range[..., :first]).all()
-    assert np.isnan(truth.incidence[..., :first]).all()
     heard = np.s_[..., first:]
-    assert (truth.target_id[heard] == -1).all()
-    assert (truth.material[heard] == 0).all()
-    assert (truth.path[heard] == 0).all()
+    assert not truth.shadow.any()
+    nothing = {"target_id": -2, "material": -1, "path": -1, "ground_range": np.nan, "incidence": np.nan}
+    for name, value in nothing.items():
+        np.testing.assert_array_equal(getattr(truth, name)[..., :first], value)
+    for name, value in {"target_id": -1, "material": 0, "path": 0}.items():
+        np.testing.assert_array_equal(getattr(truth, name)[heard], value)
     rounding = 1e-4
     assert (truth.ground_range[heard] >= edges[:-1][heard] - rounding).all()
     assert (truth.ground_range[heard] <= edges[1:][heard] + rounding).all()
@@ -175,15 +172,8 @@ def short():
 def test_truth_changes_nothing_else(short, method, tolerance):
     plain, full = (simulate(short, method=method, tolerance=tolerance, truth=truth) for truth in (False, True))
     xr.testing.assert_identical(plain, full[list(plain.data_vars)])
-    dtypes = {
-        "target_id": "i2",
-        "material": "i2",
-        "shadow": "f4",
-        "ground_range": "f4",
-        "incidence": "f4",
-        "path": "i1",
-    }
-    dtypes |= {"caustic": "?", "shadow_id": "i2"}
+    dtypes = dict.fromkeys(("shadow", "ground_range", "incidence"), "f4") | {"path": "i1", "caustic": "?"}
+    dtypes |= dict.fromkeys(("target_id", "material", "shadow_id"), "i2")
     added = {name for name in set(full.data_vars) - set(plain.data_vars) if "target" not in full[name].dims}
     assert added == set(dtypes)
     assert {name: full[name].dtype for name in added} == {name: np.dtype(d) for name, d in dtypes.items()}

@@ -235,18 +235,13 @@ def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
     assert "refers to itself" in refused(capsys, "dataset", str(tmp_path / "old.toml"), "-o", str(tmp_path / "set"))
 
 
-def test_a_preview_is_one_picture_and_no_set(tmp_path):
-    path, sheet = tmp_path / "set.toml", tmp_path / "sheet.png"
+def test_a_set_of_chips_and_a_preview_of_it_are_made_by_the_command(tmp_path):
+    path, folder, sheet = (tmp_path / name for name in ("set.toml", "set", "sheet.png"))
     path.write_text(CHIPS)
     assert cli.main(["dataset", str(path), "-o", str(sheet), "--preview", "2"]) == 0
     with Image.open(sheet) as picture:
         assert picture.size[0] > 1000
-    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["set.toml", "sheet.png"]
-
-
-def test_a_set_of_chips_is_made_by_the_command(tmp_path):
-    path, folder = tmp_path / "set.toml", tmp_path / "set"
-    path.write_text(CHIPS)
+    assert {entry.name for entry in tmp_path.iterdir()} == {"set.toml", "sheet.png"}
     assert run_here("dataset", str(path), "-o", str(folder)) == 0
     lines = [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
     assert {line["class"] for line in lines} == {"wreck", None}
