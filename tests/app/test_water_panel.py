@@ -195,7 +195,9 @@ def groups(viewer):
     return {group.name: group for group in viewer.panels["budget"].view.terms.groups}
 
 
-def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_and_at_the_cursor(viewer, scene, qtbot):
+def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_or_the_cursor_and_follows_the_scene(
+    viewer, scene, qtbot
+):
     solved, _ = solve_sonar_equation(scene)
     k = scene.sonar.bins // 2
     found = groups(viewer)
@@ -232,9 +234,7 @@ def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_and_at_the_c
     curves.show_levels(None)
     plain = curves.grab().toImage()
     assert np.unique([plain.pixel(x, 20) for x in range(plain.width())]).size == 1
-
-
-def test_it_follows_the_scene_and_the_target_and_has_no_levels_of_light(viewer, scene, qtbot):
+    # It follows the scene and the target, and has no levels of light.
     before = groups(viewer)
     viewer.panels["budget"].view._target.setValue(-5.0)
     wait(viewer, qtbot)
