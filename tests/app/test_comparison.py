@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from controls import activate, bring_to_front, choose, drag, press_shortcut
+from controls import activate, bring_to_front, choose, colours_of, drag, press_shortcut
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
 
@@ -145,9 +144,7 @@ def colour(viewer, share: float = 0.75) -> int:
 
 def pixels(view, plot: QRect) -> np.ndarray:
     """Colours of a part of a view."""
-    image = view.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
-    words = np.frombuffer(image.constBits(), np.uint32).reshape(image.height(), image.width())
-    return words[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1].copy()
+    return colours_of(view.grab().toImage())[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1]
 
 
 def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compared, qtbot):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import activate, assert_side_by_side, scenes_by_rows
+from controls import activate, assert_side_by_side, colours_of, scenes_by_rows
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
@@ -120,7 +120,7 @@ def test_a_measurement_stays_within_a_narrow_record(qapp):
     words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
     draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     painter.end()
-    drawn = np.frombuffer(image.constBits(), np.uint32).reshape(300, 400) & 0xFFFFFF
+    drawn = colours_of(image)
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
     assert not drawn[:, 290:].any()
@@ -136,7 +136,7 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
     draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
     name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
     painter.end()
-    line = (np.frombuffer(image.constBits(), np.uint32).reshape(200, 800) & 0xFFFFFF)[150:168].any(axis=0)
+    line = colours_of(image)[150:168].any(axis=0)
     assert not line[: 70 + taken].any()
     drawn = np.flatnonzero(line)
     assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
