@@ -78,10 +78,7 @@ FAULTS = {
         "order = 5",
         'order = 5\ncourse = "second-look"',
     ),
-    "topic: 'fog' is not of the course": (
-        'done = "sonar.beam.width',
-        'topic = "fog"\ndone = "sonar.beam.width',
-    ),
+    "topic: 'fog' is not of the course": ('done = "sonar.beam.width', 'topic = "fog"\ndone = "sonar.beam.width'),
     "display side='front' is not a valid value; write for example both": (
         "order = 5",
         'order = 5\ndisplay = { side = "front" }',
@@ -304,10 +301,7 @@ def test_any_text_is_a_condition_or_a_fault(text):
     assert condition.holds({"a": 1.0, "b": "a"}.get) in (True, False)
 
 
-CHOICES = [
-    {"text": "Longer", "right": True},
-    {"text": "Shorter", "because": "Sound comes in flatter."},
-]
+CHOICES = [{"text": "Longer", "right": True}, {"text": "Shorter", "because": "Sound comes in flatter."}]
 NUMBER = {
     "value": "shadow_length(21, targets.0.size.2)",
     "unit": "m",
@@ -386,11 +380,7 @@ def test_a_number_follows_the_scene_of_the_student():
 
 @pytest.mark.parametrize(
     ("answer", "words"),
-    [
-        (0, "Right: Longer."),
-        (1, "Not quite: it is Longer. Sound comes in flatter."),
-        (None, "It is Longer."),
-    ],
+    [(0, "Right: Longer."), (1, "Not quite: it is Longer. Sound comes in flatter."), (None, "It is Longer.")],
 )
 def test_a_wrong_choice_tells_its_misconception(answer, words):
     assert judge(Ask.model_validate({"choices": CHOICES}), answer, block(5.0).reader()).words == words

@@ -374,10 +374,7 @@ def test_integers_are_equally_often_choices_keep_to_their_weights_and_a_table_wi
 @pytest.mark.parametrize(
     ("fields", "told"),
     [
-        (
-            {"draw": "beta"},
-            "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,",
-        ),
+        ({"draw": "beta"}, "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,"),
         ({"draw": "uniform", "low": 2.0}, "high: is missing; add it"),
         ({"draw": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1; swap them"),
         ({"draw": "log_uniform", "low": 0.0, "high": 1.0}, "low: 0.0 is out of bounds; give a value above 0"),
