@@ -167,6 +167,7 @@ def test_a_target_off_the_axis_has_the_response_there():
     assert term(explained, "beam along the track") == pytest.approx(-20.0 * math.log10(2.0) * off * off, abs=0.3)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_places_and_rays_lie_where_the_slant_range_says():
     simulation = prepared({})
     ground = simulation.ground
@@ -240,6 +241,7 @@ def test_the_water_column_is_named_and_pixels_outside_the_record_are_refused():
             explain_pixel(simulation, *where)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_among_the_pixels_of_a_target():
     simulation = prepared(SCENES["ghosts"] | {"sonar__range": 70.0, "sonar__bins": 700})
     found = set()
@@ -259,6 +261,7 @@ def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_amon
     assert ("sphere 2", "surface_bottom") in sources
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_bent_rays_come_down_where_the_bed_returns_the_sound():
     simulation = prepared(SCENES["bent"])
     explained = explain_pixel(simulation, 10, 0, 300)
@@ -271,6 +274,7 @@ def test_bent_rays_come_down_where_the_bed_returns_the_sound():
     np.testing.assert_allclose(middle[:, 2], ground, atol=0.03)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_crests_of_the_cross_section_have_horizons_that_touch_what_they_hide():
     section = cut_cross_section(prepared({"seabed__relief": ROUGH | {"rms": 0.8}, "targets": []}), 50, 1)
     assert len(section.horizon) > 3
@@ -282,6 +286,7 @@ def test_crests_of_the_cross_section_have_horizons_that_touch_what_they_hide():
     assert (end[:, 0] > crest[:, 0]).all()
 
 
+@pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", ["knife", "fan", "gaussian", "bent", "oblique", "vertical beam"])
 def test_a_place_is_heard_by_the_pixels_that_it_contributes_to(name):
     simulation = prepared(SCENES[name] | {"targets": []})
