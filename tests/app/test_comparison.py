@@ -321,7 +321,7 @@ def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_t
     assert compared.session.modelling == Modelling(0.1)
 
 
-def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced_as_a(viewer, small, qtbot):
+def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_panel_keeps_one(viewer, small, qtbot):
     for key in ("W", "D", "Shift+K"):
         press_shortcut(viewer.window, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -342,9 +342,9 @@ def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced
     viewer.comparison.keep_scene(edit(small, {"seed": 666}))
     qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
     assert viewer.comparison.a is None
-
-
-def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
+    # The panel keeps, arranges and leaves.
+    viewer.open(small)
+    qtbot.waitUntil(lambda: viewer.complete)
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)

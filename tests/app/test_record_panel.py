@@ -217,24 +217,6 @@ def test_contacts_are_marked_named_found_again_classed_measured_and_sorted(viewe
     assert panel.contacts.unsaved, "a report is no list that can be opened"
 
 
-def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, qtbot, monkeypatch):
-    mark_two(viewer, panel, qtbot)
-    path, listed = tmp_path / "found.geojson", panel.view.contacts
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
-    listed.save.click()
-    assert not panel.contacts.unsaved
-    assert len(read_contacts(path)) == 2
-    listed.remove.click()
-    assert panel.contacts.unsaved
-    listed.open.click()
-    assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
-    path.write_text("nonsense", encoding="utf-8")
-    listed.open.click()
-    assert "is not a file of contacts" in viewer.window.status.sentence.text()
-    assert len(panel.contacts) == 2
-
-
 def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     made = []
     items = contact_list._items
@@ -252,7 +234,9 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     assert texts == ["a", "x", "c"]
 
 
-def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot):
+def test_contacts_are_undone_by_name_in_turn_with_the_scene_saved_and_opened(
+    viewer, panel, qtbot, tmp_path, monkeypatch
+):
     listed, window = panel.view.contacts, viewer.window
     mark_two(viewer, panel, qtbot)
     viewer.session.settle({"track.altitude": 8.0})
@@ -281,6 +265,23 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     assert listed.list.rowCount() == 0
     viewer.session.redo(5)
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
+    # They are saved and opened.
+    viewer.session.undo(9)
+    mark_two(viewer, panel, qtbot)
+    path = tmp_path / "found.geojson"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    listed.save.click()
+    assert not panel.contacts.unsaved
+    assert len(read_contacts(path)) == 2
+    listed.remove.click()
+    assert panel.contacts.unsaved
+    listed.open.click()
+    assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
+    path.write_text("nonsense", encoding="utf-8")
+    listed.open.click()
+    assert "is not a file of contacts" in window.status.sentence.text()
+    assert len(panel.contacts) == 2
 
 
 def answer_questions(monkeypatch, *answers: QMessageBox.StandardButton) -> list[str]:
@@ -381,12 +382,9 @@ def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle():
     begins, ends = ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
     assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * radius, rel=1e-12)
     assert round_shadow_height(ALTITUDE, begins, 0.0) == 0.0
-
-
-def test_a_shadow_without_length_has_no_height_and_a_long_one_nears_the_altitude():
+    # A shadow without length has no height, and a long one nears the altitude.
+    assert [shadow_height(10.0, *each) for each in ((20.0, 5.0), (1.0, 1e9))] == pytest.approx([2.0, 10.0])
     assert shadow_height(10.0, 20.0, 0.0) == 0.0
-    assert shadow_height(10.0, 20.0, 5.0) == pytest.approx(2.0)
-    assert shadow_height(10.0, 1.0, 1e9) == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize("heading", [0.0, 37.0, 180.0])
@@ -403,9 +401,7 @@ def test_distances_are_those_on_the_bed(heading):
     assert (found.slant, found.pings) == (pytest.approx(slants[0] - slants[1]), 60)
     assert found.height is None, "no shadow reaches over both sides"
     assert found.words.startswith(f"{found.straight:.2f} m on the bed")
-
-
-def test_in_the_water_column_slant_range_alone_is_known():
+    # In the water column slant range alone is known.
     first = Location(Mark(3, 0, 10), 0.5, None, None, 10.0, 0.0)
     last = Location(Mark(5, 0, 100), 5.0, None, None, 10.0, 0.0)
     assert measure(first, last).words == "slant range 4.50 m, 2 pings"

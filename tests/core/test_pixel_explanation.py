@@ -11,7 +11,7 @@ from insonify.explanation import compilation
 from insonify.explanation.cross_section import cut_cross_section
 from insonify.explanation.listeners import find_listeners
 from insonify.explanation.pixel import explain_pixel
-from insonify.scene import Scene, SceneError, edit, load_scene
+from insonify.scene import Scene, SceneError, build, edit, load_scene
 from insonify.simulation import prepare
 
 CLOSE = 0.01  # dB by which a budget may miss its pixel
@@ -20,21 +20,19 @@ BALL = {"kind": "sphere", "position": [12.0, -14.0], "radius": 0.7, "material": 
 ROUGH = {"kind": "fractal", "beta": 1.4, "period": 51.2, "rms": 0.2}
 
 
-def scene(**changes) -> Scene:
-    """A small scene; changes are given by dotted paths with double underscores."""
-    spec = {
+BASE = build(
+    {
         "seabed": {"depth": 30.0, "spacing": 0.2, "relief": ROUGH, "material": "medium_sand"},
         "targets": [PIPE, BALL],
         "sonar": {"beam": {"kind": "fan", "width": 2.5}, "range": 40.0, "bins": 400, "pulse": "ideal"},
         "track": {"altitude": 10.0, "speed": 2.0, "pings": 120},
     }
-    for path, value in changes.items():
-        *parents, last = path.split("__")
-        place = spec
-        for parent in parents:
-            place = place.setdefault(parent, {})
-        place[last] = value
-    return Scene.model_validate(spec)
+)
+
+
+def scene(**changes) -> Scene:
+    """A small scene; changes are given by dotted paths with double underscores."""
+    return edit(BASE, {path.replace("__", "."): value for path, value in changes.items()})
 
 
 THERMOCLINE = {"kind": "profile", "depth": [0.0, 18.0, 22.0, 60.0], "sound_speed": [1510.0, 1510.0, 1498.0, 1498.0]}
@@ -120,12 +118,11 @@ def test_pixels_of_bundled_scenes_add_up(name, forced, side, pixels):
         assert name != "double-image" or explained.contributions[0].rays
 
 
+SILT = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
+
+
 def flat(**changes):
-    level = {
-        "seabed__relief": "flat",
-        "targets": [],
-        "seabed__material": {"name": "silt", "diffuse": 0.5, "specular": 0.0},
-    }
+    level = {"seabed__relief": "flat", "targets": [], "seabed__material": SILT}
     return prepare(scene(**level | changes), tolerance=0.003)
 
 
@@ -223,8 +220,8 @@ def test_a_crest_of_the_bed_hides_what_lies_behind_it(tmp_path):
     heights[84:88] = -28.0  # a ridge along the track, 2 m high, 12.25 to 13.75 m abeam
     np.save(tmp_path / "ridge.npy", heights)
     bed = {"kind": "dem", "path": str(tmp_path / "ridge.npy")}
-    track = {"start": [-10.0, -20.0], "depth": 20.0, "speed": 2.0, "pings": 120}
-    simulation = prepare(scene(seabed__relief=bed, seabed__spacing=0.5, targets=[], track=track))
+    track = {"track__start": [-10.0, -20.0], "track__altitude": None, "track__depth": 20.0}
+    simulation = prepare(scene(seabed__relief=bed, seabed__spacing=0.5, targets=[], **track))
     explained = explain_pixel(simulation, 50, 0, 188)
     assert explained.summary == "in the shadow of a crest of the bed at 13.8 m"
     np.testing.assert_allclose(explained.obstructions[0].place, [0.0, -6.25, 1.96], atol=0.01)
