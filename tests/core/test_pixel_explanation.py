@@ -11,7 +11,7 @@ from insonify.explanation import compilation
 from insonify.explanation.cross_section import cut_cross_section
 from insonify.explanation.listeners import find_listeners
 from insonify.explanation.pixel import explain_pixel
-from insonify.scene import Scene, SceneError, edit, load_scene
+from insonify.scene import Scene, SceneError, build, edit, load_scene
 from insonify.simulation import prepare
 
 CLOSE = 0.01  # dB by which a budget may miss its pixel
@@ -20,21 +20,19 @@ BALL = {"kind": "sphere", "position": [12.0, -14.0], "radius": 0.7, "material": 
 ROUGH = {"kind": "fractal", "beta": 1.4, "period": 51.2, "rms": 0.2}
 
 
-def scene(**changes) -> Scene:
-    """A small scene; changes are given by dotted paths with double underscores."""
-    spec = {
+BASE = build(
+    {
         "seabed": {"depth": 30.0, "spacing": 0.2, "relief": ROUGH, "material": "medium_sand"},
         "targets": [PIPE, BALL],
         "sonar": {"beam": {"kind": "fan", "width": 2.5}, "range": 40.0, "bins": 400, "pulse": "ideal"},
         "track": {"altitude": 10.0, "speed": 2.0, "pings": 120},
     }
-    for path, value in changes.items():
-        *parents, last = path.split("__")
-        place = spec
-        for parent in parents:
-            place = place.setdefault(parent, {})
-        place[last] = value
-    return Scene.model_validate(spec)
+)
+
+
+def scene(**changes) -> Scene:
+    """A small scene; changes are given by dotted paths with double underscores."""
+    return edit(BASE, {path.replace("__", "."): value for path, value in changes.items()})
 
 
 THERMOCLINE = {"kind": "profile", "depth": [0.0, 18.0, 22.0, 60.0], "sound_speed": [1510.0, 1510.0, 1498.0, 1498.0]}
@@ -120,12 +118,11 @@ def test_pixels_of_bundled_scenes_add_up(name, forced, side, pixels):
         assert name != "double-image" or explained.contributions[0].rays
 
 
+SILT = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
+
+
 def flat(**changes):
-    level = {
-        "seabed__relief": "flat",
-        "targets": [],
-        "seabed__material": {"name": "silt", "diffuse": 0.5, "specular": 0.0},
-    }
+    level = {"seabed__relief": "flat", "targets": [], "seabed__material": SILT}
     return prepare(scene(**level | changes), tolerance=0.003)
 
 
@@ -170,6 +167,7 @@ def test_a_target_off_the_axis_has_the_response_there():
     assert term(explained, "beam along the track") == pytest.approx(-20.0 * math.log10(2.0) * off * off, abs=0.3)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_places_and_rays_lie_where_the_slant_range_says():
     simulation = prepared({})
     ground = simulation.ground
@@ -223,8 +221,8 @@ def test_a_crest_of_the_bed_hides_what_lies_behind_it(tmp_path):
     heights[84:88] = -28.0  # a ridge along the track, 2 m high, 12.25 to 13.75 m abeam
     np.save(tmp_path / "ridge.npy", heights)
     bed = {"kind": "dem", "path": str(tmp_path / "ridge.npy")}
-    track = {"start": [-10.0, -20.0], "depth": 20.0, "speed": 2.0, "pings": 120}
-    simulation = prepare(scene(seabed__relief=bed, seabed__spacing=0.5, targets=[], track=track))
+    track = {"track__start": [-10.0, -20.0], "track__altitude": None, "track__depth": 20.0}
+    simulation = prepare(scene(seabed__relief=bed, seabed__spacing=0.5, targets=[], **track))
     explained = explain_pixel(simulation, 50, 0, 188)
     assert explained.summary == "in the shadow of a crest of the bed at 13.8 m"
     np.testing.assert_allclose(explained.obstructions[0].place, [0.0, -6.25, 1.96], atol=0.01)
@@ -243,6 +241,7 @@ def test_the_water_column_is_named_and_pixels_outside_the_record_are_refused():
             explain_pixel(simulation, *where)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_among_the_pixels_of_a_target():
     simulation = prepared(SCENES["ghosts"] | {"sonar__range": 70.0, "sonar__bins": 700})
     found = set()
@@ -262,6 +261,7 @@ def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_amon
     assert ("sphere 2", "surface_bottom") in sources
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_bent_rays_come_down_where_the_bed_returns_the_sound():
     simulation = prepared(SCENES["bent"])
     explained = explain_pixel(simulation, 10, 0, 300)
@@ -274,6 +274,7 @@ def test_bent_rays_come_down_where_the_bed_returns_the_sound():
     np.testing.assert_allclose(middle[:, 2], ground, atol=0.03)
 
 
+@pytest.mark.usefixtures("fixed_model")
 def test_crests_of_the_cross_section_have_horizons_that_touch_what_they_hide():
     section = cut_cross_section(prepared({"seabed__relief": ROUGH | {"rms": 0.8}, "targets": []}), 50, 1)
     assert len(section.horizon) > 3
@@ -285,6 +286,7 @@ def test_crests_of_the_cross_section_have_horizons_that_touch_what_they_hide():
     assert (end[:, 0] > crest[:, 0]).all()
 
 
+@pytest.mark.usefixtures("fixed_model")
 @pytest.mark.parametrize("name", ["knife", "fan", "gaussian", "bent", "oblique", "vertical beam"])
 def test_a_place_is_heard_by_the_pixels_that_it_contributes_to(name):
     simulation = prepared(SCENES[name] | {"targets": []})

@@ -163,11 +163,8 @@ def test_what_is_no_record_is_told_in_one_sentence(tmp_path, spoil, words):
         read_record(tmp_path / "record.nc")
 
 
-SMALL = {"track.pings": 6, "sonar.bins": 80}
-
-
-def scene(name="targets"):
-    return edit(load_scene(name), SMALL)
+def scene(name="targets", **changes):
+    return edit(load_scene(name), {"track.pings": 6, "sonar.bins": 80} | changes)
 
 
 @pytest.mark.parametrize("truth", [False, True])
@@ -214,22 +211,18 @@ def test_files_do_not_depend_on_what_blocks_they_are_written_from(tmp_path, suff
     assert all(files == written[0] for files in written)
 
 
-def small_scene(**changes):
-    return edit(load_scene("default"), {"track.pings": 5, "sonar.bins": 100} | changes)
-
-
 def long_record(pings: int) -> xr.Dataset:
-    record = simulate(small_scene())
-    many = record.isel(ping_time=np.arange(pings) % 5)
+    record = simulate(scene("default"))
+    many = record.isel(ping_time=np.arange(pings) % 6)
     return many.assign_coords(ping_time=("ping_time", 0.1 * np.arange(pings), record.ping_time.attrs))
 
 
 @pytest.mark.parametrize("suffix", [".zarr", ".nc", ".npz"])
 def test_xarray_shows_units_and_values(tmp_path, suffix):
-    scene = small_scene(**{"world.crs": "EPSG:32631", "world.origin": [5e5, 4e6], "title": "ä"})
+    placed = scene("default", **{"world.crs": "EPSG:32631", "world.origin": [5e5, 4e6], "title": "ä"})
     path = tmp_path / f"a{suffix}"
-    write_record(path, simulate_blocks(scene, truth=True, block=2))
-    expected, read = simulate(scene, truth=True), read_record(path)
+    write_record(path, simulate_blocks(placed, truth=True, block=2))
+    expected, read = simulate(placed, truth=True), read_record(path)
     xr.testing.assert_equal(read, expected)
     if suffix == ".npz":
         assert read.attrs == expected.attrs
@@ -262,8 +255,8 @@ def test_blocks_of_pings_share_a_file(tmp_path):
     write_record(tmp_path / "a.zarr", [record])
     store = zarr.open_group(tmp_path / "a.zarr", mode="r")
     assert store.metadata.zarr_format == 3
-    assert store["intensity"].shards == (2, SHARD, 100)
-    assert store["intensity"].chunks == (1, CHUNK, 100)
+    assert store["intensity"].shards == (2, SHARD, 80)
+    assert store["intensity"].chunks == (1, CHUNK, 80)
     files = sorted(file for file in (tmp_path / "a.zarr" / "intensity").rglob("*") if file.is_file())
     assert len(files) == 3 + 1  # shards and the array's own description
     np.testing.assert_array_equal(store["intensity"][:], record.intensity)

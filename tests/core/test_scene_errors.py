@@ -11,6 +11,7 @@ from insonify.scene import SceneError, edit, load_scene, plain, read_setting
 
 BOX, BALL = ({"kind": kind, "position": [1.0, 2.0]} for kind in ("box", "sphere"))
 PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
+HEAVE, ENDLESS = {"kind": "heave"}, {"kind": "power_law", "extent": "endless"}
 TWICE, BACK = [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]]  # gains twice at one time, and at an earlier one
 
 WRONG = [
@@ -33,10 +34,10 @@ WRONG = [
     ({"targets.1.position": [1.0, 2.0, 1e9]}, ["targets.1.position.2: 1000000000.0", "at most 20000"]),
     ({"targets.0.gap": [[0.0, 0.0], [1.0]]}, ["targets.0.gap.1.1", "missing"]),
     ({"track.motion": {"kind": "sum", "of": []}}, ["track.motion.of: []", "at least 1"]),
-    ({"track.motion": {"kind": "heave", "amplitude": 50.0}}, ["track.motion: a heave of 50 m", "below 10 m"]),
-    ({"track.motion": {"kind": "heave", "amplitude": 10.0}}, ["track.motion: a heave of 10 m", "its amplitude below"]),
+    ({"track.motion": HEAVE | {"amplitude": 50.0}}, ["track.motion: a heave of 50 m", "below 10 m"]),
+    ({"track.motion": HEAVE | {"amplitude": 10.0}}, ["track.motion: a heave of 10 m", "its amplitude below"]),
     (
-        {"track.motion": {"kind": "heave", "amplitude": 5.0}, "track.altitude": 26.0},
+        {"track.motion": HEAVE | {"amplitude": 5.0}, "track.altitude": 26.0},
         ["track.motion: a heave of 5 m", "keep its amplitude below"],
     ),
     ({"sonar.ping_rate": 16}, ["sonar.ping_rate", "16", "lower it to 15 Hz", "sonar.range"]),
@@ -44,10 +45,7 @@ WRONG = [
         {"seabed.relief": "flat", "seabed.spacing": 1e-3, "sonar.range": 1e4, "sonar.ping_rate": 0.05},
         ["sonar.range", "10000 m", "0.001 m", "shorten the range to 262.1 m"],
     ),
-    (
-        {"seabed.relief": {"kind": "power_law", "extent": "endless"}, "seabed.spacing": 0.01},
-        ["sonar.range", "endless ground", "0.01 m", "4096 cells"],
-    ),
+    ({"seabed.relief": ENDLESS, "seabed.spacing": 0.01}, ["sonar.range", "endless ground", "0.01 m", "4096 cells"]),
     (
         {"sonar.pulse.duration": 0.1, "sonar.range": 0.005},
         ["sonar.pulse.duration", "0.1 s", "100000 bins of 5e-06 m", "0.000667 s"],
@@ -107,12 +105,9 @@ WRONG = [
     ({"water": PROFILE | {"depth": [0.0, math.nan]}}, ["water.depth.1", "nan", "finite"]),
     ({"water": PROFILE | {"depth": [-1.0, 5.0]}}, ["water.depth.0", "-1", "at least 0"]),
     ({"water": PROFILE | {"sound_speed": [1500.0, 1510.0]}}, ["water", "2 numbers for 4 depths", "one for each"]),
+    ({"water": PROFILE | {"sound_speed": [*SPEEDS[:2], 0.0, 1500.0]}}, ["water.sound_speed.2", "0", "at least 1300"]),
     (
-        {"water": PROFILE | {"sound_speed": [1500.0, 1500.0, 0.0, 1500.0]}},
-        ["water.sound_speed.2", "0", "at least 1300"],
-    ),
-    (
-        {"water": PROFILE | {"sound_speed": [1500.0, 1500.0, 1800.0, 1500.0]}},
+        {"water": PROFILE | {"sound_speed": [*SPEEDS[:2], 1800.0, 1500.0]}},
         ["water.sound_speed.2", "1800", "at most 1700"],
     ),
     ({"water": PROFILE | {"interpolation": "spline"}}, ["water.interpolation", "'spline'", "'pchip'"]),

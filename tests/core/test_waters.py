@@ -29,22 +29,16 @@ def profile(**changes):
     return {"kind": "profile", "depth": DEPTHS, "sound_speed": SPEEDS, **changes}
 
 
-def test_heights_count_from_the_mean_bed_upwards():
+def test_heights_count_from_the_mean_bed_upwards_and_none_lies_under_the_bed_or_over_the_surface():
     water = make_water(scene_in(profile()), -30.0)
-    assert water.bent
-    assert water.surface == 30.0
+    assert (water.bent, water.surface, water.station.size) == (True, 30.0, 1)
     np.testing.assert_array_equal(water.height, [-30.0, 14.0, 22.0, 28.0])
     np.testing.assert_array_equal(water.speed, [[1500.0, 1501.0, 1519.0, 1520.0]])
-    assert water.station.size == 1
-
-
-def test_nothing_is_laid_out_under_the_bed_or_over_the_surface():
     water = make_water(scene_in(profile(depth=[0.0, 8.0, 16.0, 60.0])), -30.0, -0.5)
     np.testing.assert_array_equal(water.height, [-0.5, 14.0, 22.0, 30.0])
     assert water.speed[0, 0] == np.interp(30.5, (16.0, 60.0), (1501.0, 1500.0))
     deep = make_water(scene_in(profile(depth=[40.0, 50.0, 60.0, 70.0])), -30.0, -0.5)
-    assert not deep.bent
-    assert deep.reference == SPEEDS[0]
+    assert (deep.bent, deep.reference) == (False, SPEEDS[0])
 
 
 def test_the_reference_is_the_speed_at_the_sonar():

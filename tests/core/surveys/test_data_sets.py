@@ -26,7 +26,7 @@ from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
 from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
-from insonify.surveys.engine import finish, read_flag
+from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
 from insonify.surveys.storages import Tile, ZarrStore
 from own_things import forgetting
@@ -176,8 +176,11 @@ def test_every_image_is_in_one_split_and_no_scene_in_two(small):
         assert line["hash"]
         assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
     assert all(len(splits) == 1 for splits in of_scene.values())
-    listed = [json.loads((small / split / "coco-both.json").read_text())["images"] for split in ("train", "test")]
-    assert {image["file_name"] for image in listed[0]}.isdisjoint(image["file_name"] for image in listed[1])
+    train, test = (
+        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
+        for split in ("train", "test")
+    )
+    assert train.isdisjoint(test)
 
 
 def test_yolo_boxes_are_those_of_coco(small):
@@ -249,21 +252,16 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
     assert set(kinds) == {"png", "mask.png", "txt", "json"}
 
 
-def test_a_zarr_store_is_read_by_zarr(tmp_path):
+def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path):
     one = data_set(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
     (path,) = first_job(one, tmp_path).rglob("*.zarr")
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16
-
-
-def test_a_zarr_store_holds_tiles_of_unlike_shapes(tmp_path):
-    shapes = ((16, 20), (24, 12))
-    tiles = [
-        Tile(np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8), {"name": str(k), "split": "train"})
-        for k, shape in enumerate(shapes)
-    ]
-    store = ZarrStore()
+    store, tiles = ZarrStore(), []
+    for k, shape in enumerate(((16, 20), (24, 12))):
+        image, mask = np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8)
+        tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
     store.write(tmp_path, "0", "0", tiles)
     for tile in tiles:
         np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
@@ -271,10 +269,11 @@ def test_a_zarr_store_holds_tiles_of_unlike_shapes(tmp_path):
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):
     levels = {"bits": 16, "low": -30.0, "high": 30.0}
-    work = DatasetWork(data_set(images=levels, targets=[], tiles={"pings": 64, "bins": 80}), BASE, tmp_path / "set")
-    finish(work, work.names()[0])
-    tiles = [tile for tile in read_flag(work.folder, work.names()[0])["tiles"] if tile["first_bin"] > 0]
-    image = pixels(work.folder / tiles[0]["file"])
+    one = data_set(images=levels, targets=[], tiles={"pings": 64, "bins": 80})
+    folder = first_job(one, tmp_path)
+    (name,) = done_jobs(folder)
+    tiles = [tile for tile in read_flag(folder, name)["tiles"] if tile["first_bin"] > 0]
+    image = pixels(folder / tiles[0]["file"])
     # The median of Rayleigh speckle is the level of the middle grey.
     assert image.dtype == np.uint16
     assert np.median(image) == pytest.approx(0.5 * 65535, rel=0.03)
@@ -310,21 +309,21 @@ def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
 
 
 def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp_path):
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
+    meshes, own = bundled_meshes(), tmp_path / "own.ply"
+    own.write_bytes(meshes["drum"].read_bytes())
     (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
-    own = '{ kind = "mesh", path = "own.ply" }'
-    text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', own)
-    path = write_set(tmp_path, text)
-    one = read_specification(str(path), DatasetSpecification, {}, {})
+    mesh = '{ kind = "mesh", path = "own.ply" }'
+    text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', mesh)
+    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, {}, {})
     base = load_scene(one.base)
     assert base == BASE
     shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
-    assert str(tmp_path / "own.ply") in shapes
+    assert str(own) in shapes
     digest = DatasetWork(one, base, tmp_path / "set").digest
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["tyre"].read_bytes())
+    own.write_bytes(meshes["tyre"].read_bytes())
     assert DatasetWork(one, base, tmp_path / "set").digest != digest
+    own.write_bytes(meshes["drum"].read_bytes())
     more = one.model_copy(update={"scenes": 16})
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
     assert DatasetWork(more, base, tmp_path / "set").digest == digest
 
 
@@ -375,10 +374,7 @@ def test_integers_are_equally_often_choices_keep_to_their_weights_and_a_table_wi
 @pytest.mark.parametrize(
     ("fields", "told"),
     [
-        (
-            {"draw": "beta"},
-            "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,",
-        ),
+        ({"draw": "beta"}, "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,"),
         ({"draw": "uniform", "low": 2.0}, "high: is missing; add it"),
         ({"draw": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1; swap them"),
         ({"draw": "log_uniform", "low": 0.0, "high": 1.0}, "low: 0.0 is out of bounds; give a value above 0"),
