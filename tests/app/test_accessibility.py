@@ -1,6 +1,7 @@
 """Every control of the window explains itself, has a name for screen readers, and is worked by the keyboard alone."""
 
 from collections.abc import Callable
+from itertools import product
 
 import pytest
 from controls import (
@@ -146,32 +147,24 @@ def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()
-    # It fits a window.
-    for panel in (None, "lessons"):
-        if panel is not None:
-            viewer.window.open_panel(panel)
-        for width, height in ((900, 540), (1920, 1000)):
-            check_room(viewer, qtbot, panel, width, height)
-
-
-def check_room(viewer, qtbot, panel, width, height):
-    """Check that a window of a size shows its views and a panel side by side."""
-    window = viewer.window
-    window.resize(width, height)
-    qtbot.waitUntil(lambda: window.width() == width)
-    qtbot.wait(100)
-    assert (window.width(), window.height()) == (width, height)
-    side = viewer.panels["parameters"].widget
-    shown = [side, window.waterfall] + ([viewer.panels[panel].widget] if panel else [])
-    assert_side_by_side(window, *shown)
-    assert window.seabed.isVisible() is (width == 1920)
-    if panel is not None:
-        buttons = [child for child in shown[-1].findChildren(QPushButton) if child.isVisible()]
-        assert all(button.width() >= button.sizeHint().width() for button in buttons)
-    if width == 900:
-        side.horizontalScrollBar().setValue(side.horizontalScrollBar().maximum())
-        field = next(field for field in side.findChildren(QLineEdit, "value") if in_reach(field))
-        assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
+    # A window of any size shows its views and the lessons side by side.
+    lessons = viewer.panels["lessons"].widget
+    for shown, (width, height) in product(([], [lessons]), ((900, 540), (1920, 1000))):
+        if shown:
+            window.open_panel("lessons")
+        window.resize(width, height)
+        qtbot.waitUntil(lambda width=width: window.width() == width)
+        qtbot.wait(100)
+        assert (window.width(), window.height()) == (width, height)
+        assert_side_by_side(window, panel, window.waterfall, *shown)
+        assert window.seabed.isVisible() is (width == 1920)
+        if shown:
+            buttons = [child for child in lessons.findChildren(QPushButton) if child.isVisible()]
+            assert all(button.width() >= button.sizeHint().width() for button in buttons)
+        if width == 900:
+            panel.horizontalScrollBar().setValue(panel.horizontalScrollBar().maximum())
+            field = next(field for field in panel.findChildren(QLineEdit, "value") if in_reach(field))
+            assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
 
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {

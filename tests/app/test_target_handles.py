@@ -42,31 +42,25 @@ def test_a_handle_stands_where_the_echo_is(motion):
     assert 0 <= mark.bin - strongest <= 8
 
 
-def test_drags_move_turn_and_resize():
-    scene = edit(load_scene("default"), {"targets": [BOX]})
-    centre = (12.0, -20.0, 0.0)
-    assert drag_edit(scene, Handle(0, "move", centre), centre, (15.0, -22.5, 0.3)) == {
-        "targets.0.position": [15.0, -22.5]
-    }
-    east, north = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)
-    assert drag_edit(scene, Handle(0, "turn", east), east, north) == {"targets.0.heading": 120.0}
-    assert drag_edit(scene, Handle(0, "turn", north), north, east) == {"targets.0.heading": -60.0}
-    twice = drag_edit(scene, Handle(0, "resize", east), east, (20.0, -20.0, 0.0))
-    assert twice == {"targets.0.size": [8.0, 4.0, 3.0]}
+EAST, NORTH = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)
+ASIDE, FARTHER = (12.0, -16.0, 0.0), (12.0, -14.0, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("target", "edited"),
+    ("target", "action", "start", "end", "edited"),
     [
-        ({"kind": "pipe", "radius": 0.5, "length": 20.0}, {"radius": 0.75}),
-        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, {"size": [4.0, 3.0, 2.25]}),
-        ({"kind": "cone", "radius": 0.5, "height": 1.2}, {"height": 1.8}),
+        (BOX, "move", (12.0, -20.0, 0.0), (15.0, -22.5, 0.3), {"position": [15.0, -22.5]}),
+        (BOX, "turn", EAST, NORTH, {"heading": 120.0}),
+        (BOX, "turn", NORTH, EAST, {"heading": -60.0}),
+        (BOX, "resize", EAST, (20.0, -20.0, 0.0), {"size": [8.0, 4.0, 3.0]}),
+        ({"kind": "pipe", "radius": 0.5, "length": 20.0}, "thicken", ASIDE, FARTHER, {"radius": 0.75}),
+        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, "thicken", ASIDE, FARTHER, {"size": [4.0, 3.0, 2.25]}),
+        ({"kind": "cone", "radius": 0.5, "height": 1.2}, "thicken", ASIDE, FARTHER, {"height": 1.8}),
     ],
 )
-def test_a_drag_thickens_and_keeps_the_length(target, edited):
+def test_a_drag_moves_turns_resizes_or_thickens_and_keeps_the_length(target, action, start, end, edited):
     scene = edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **target}]})
-    aside = (12.0, -16.0, 0.0)
-    changes = drag_edit(scene, Handle(0, "thicken", aside), aside, (12.0, -14.0, 0.0))
+    changes = drag_edit(scene, Handle(0, action, start), start, end)
     assert changes == {f"targets.0.{name}": value for name, value in edited.items()}
 
 
