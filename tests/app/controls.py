@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -41,6 +41,13 @@ def picture_of(view: RecordCanvas) -> NDArray[np.uint32]:
     """Colours of the rows of a record on screen, newest first, as 0xffRRGGBB."""
     rows = view.record.rows(view.record.shown(view.top))
     return np.asarray(view.image.pixels[view.image._places(rows)])
+
+
+def colours_of(image: QImage) -> NDArray[np.uint32]:
+    """Colours of the pixels of an image, as 0xRRGGBB by row and column."""
+    plain = image.convertToFormat(QImage.Format.Format_RGB32)
+    words = np.frombuffer(plain.constBits(), np.uint32).reshape(plain.height(), plain.width())
+    return words & 0xFFFFFF  # a copy, which outlives the image
 
 
 def takes_keyboard(widget: QWidget) -> bool:

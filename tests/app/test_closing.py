@@ -140,8 +140,8 @@ def test_no_worker_imports_modules_of_qt():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="priorities of single threads are Linux's")
-def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer, small, qtbot):
-    viewer, found = open_viewer(small), []
+def test_threads_beside_the_window_yield_the_processor_to_it(viewer, qtbot):
+    found = []
 
     def niceness():
         return os.getpriority(os.PRIO_PROCESS, 0)

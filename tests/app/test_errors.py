@@ -84,7 +84,7 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qt
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(viewer, qtbot):
+def test_a_fault_in_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(viewer, qtbot, tmp_path):
     def fail():
         raise KeyError("no such thing")
 
@@ -124,9 +124,7 @@ def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(view
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail_in_thread" in copied(viewer)
-
-
-def test_a_job_that_failed_or_crashed_offers_its_details(viewer, qtbot, tmp_path):
+    # A job that failed or crashed offers its details.
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")

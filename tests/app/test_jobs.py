@@ -82,12 +82,19 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_and_a_picture_are_modelled_and_displayed_as_in_the_window(viewer, small, knife, qtbot, tmp_path):
+def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(viewer, small, knife, qtbot, tmp_path):
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
     expected = simulate(small, tolerance=0.2, forced={"planes": "2"})
     np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, expected.intensity)
+    # A data set is stopped with its workers.
+    arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
+    job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
+    qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
+    job.stop()
+    qtbot.waitUntil(lambda: not job.running)
+    assert job.state is State.STOPPED
     # A picture is displayed as in the window.
     viewer.open(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
@@ -177,16 +184,6 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
         for column, text in enumerate(ranges.get(field.path.replace(".", "_"), ())):
             question.drawn.item(row, column + 1).setText(text)
     return True
-
-
-def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_path):
-    viewer = open_viewer(knife)
-    arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
-    job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
-    qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
-    job.stop()
-    qtbot.waitUntil(lambda: not job.running)
-    assert job.state is State.STOPPED
 
 
 def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):

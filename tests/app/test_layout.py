@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import activate, assert_side_by_side, scenes_by_rows
+from controls import activate, assert_side_by_side, colours_of, scenes_by_rows
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
@@ -103,21 +103,6 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_tools_fit_900_px_and_the_window_half_a_screen(viewer, qtbot):
-    window = viewer.window
-    bar = window.findChild(QToolBar)
-    assert bar.sizeHint().width() <= 900
-    window.resize(900, 540)
-    qtbot.waitUntil(lambda: window.width() == 900)
-    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
-    assert window.minimumSizeHint().width() <= 800
-    window.resize(800, 450)
-    qtbot.waitUntil(lambda: window.width() == 800)
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert window.size().width() <= 800
-
-
 def test_a_plot_is_at_true_scale_where_it_fits():
     room = QRect(64, 24, 500, 700)
     plot = plot_at_true_scale(room, 100.0, 100.0)
@@ -135,7 +120,7 @@ def test_a_measurement_stays_within_a_narrow_record(qapp):
     words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
     draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     painter.end()
-    drawn = np.frombuffer(image.constBits(), np.uint32).reshape(300, 400) & 0xFFFFFF
+    drawn = colours_of(image)
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
     assert not drawn[:, 290:].any()
@@ -151,7 +136,7 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
     draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
     name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
     painter.end()
-    line = (np.frombuffer(image.constBits(), np.uint32).reshape(200, 800) & 0xFFFFFF)[150:168].any(axis=0)
+    line = colours_of(image)[150:168].any(axis=0)
     assert not line[: 70 + taken].any()
     drawn = np.flatnonzero(line)
     assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
@@ -224,11 +209,23 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window, qtbot, monkeypatch):
+def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_commands(viewer, window, qtbot, monkeypatch):
+    bar = window.findChild(QToolBar)
+    assert bar.sizeHint().width() <= 900
+    window.resize(900, 540)
+    qtbot.waitUntil(lambda: window.width() == 900)
+    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
+    assert window.minimumSizeHint().width() <= 800
+    window.resize(800, 450)
+    qtbot.waitUntil(lambda: window.width() == 800)
+    window.open_panel("water")
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert window.size().width() <= 800
+    # Every tool stands in a menu.
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
     listed = {action for menu in menus for action in entries(menu)}
-    tools = [action for action in window.findChild(QToolBar).actions() if action.text() and not action.isSeparator()]
+    tools = [action for action in bar.actions() if action.text() and not action.isSeparator()]
     assert len(tools) >= 8
     assert set(tools) <= listed
     assert all(menu.actions() for menu in menus)
@@ -294,35 +291,7 @@ def test_names_that_begin_with_the_words_come_first():
     assert len(find_entries(entries, "")) == 5
 
 
-def test_the_palette_finds_everything_and_does_it(viewer, qtbot):
-    window = viewer.window
-
-    def do(words: str) -> None:
-        palette = window.open_palette()
-        qtbot.keyClicks(palette.search, words)
-        qtbot.keyClick(palette.search, Qt.Key.Key_Down)
-        qtbot.keyClick(palette.search, Qt.Key.Key_Up)
-        qtbot.keyClick(palette.search, Qt.Key.Key_Return)
-
-    palette = window.open_palette()
-    kinds = [entry.kind for entry in palette._entries]
-    palette.close()
-    assert kinds.count("Scene") == len(bundled_scenes())
-    assert kinds.count("Lesson") == len(bundled_lessons())
-    assert {"File", "Edit", "View", "Record", "Tools", "Help", "Parameter"} <= set(kinds)
-    do("measure a line")
-    assert viewer.window.waterfall.measuring
-    do("parameter beam width")
-    row = viewer.panels["parameters"].view.row("sonar.beam.width")
-    assert row.label.property("lit")
-    do("lesson first return")
-    assert viewer.panels["lessons"].progress is not None
-    viewer.panels["lessons"].leave()
-    do("scene pipe-on-bed")
-    assert viewer.session.scene == load_scene("pipe-on-bed")
-
-
-def test_the_menu_of_a_record_explains_marks_and_copies(viewer, small):
+def test_the_menu_of_a_record_explains_marks_and_copies_and_the_palette_finds_and_does_everything(viewer, small, qtbot):
     window, mark = viewer.window, Mark(100, 1, 60)
     menu = viewer.record_menu.open(window.waterfall, mark, QPoint(0, 0))
     offered = {action.text(): action for action in menu.actions() if action.text()}
@@ -344,3 +313,26 @@ def test_the_menu_of_a_record_explains_marks_and_copies(viewer, small):
     menu = viewer.record_menu.open(window.waterfall, mark, QPoint(0, 0))
     assert "Release this pixel" in [action.text() for action in menu.actions()]
     menu.close()
+
+    # The palette finds everything and does it.
+    def do(words: str) -> None:
+        palette = window.open_palette()
+        qtbot.keyClicks(palette.search, words)
+        for key in (Qt.Key.Key_Down, Qt.Key.Key_Up, Qt.Key.Key_Return):
+            qtbot.keyClick(palette.search, key)
+
+    palette = window.open_palette()
+    kinds = [entry.kind for entry in palette._entries]
+    palette.close()
+    assert kinds.count("Scene") == len(bundled_scenes())
+    assert kinds.count("Lesson") == len(bundled_lessons())
+    assert {"File", "Edit", "View", "Record", "Tools", "Help", "Parameter"} <= set(kinds)
+    do("measure a line")
+    assert window.waterfall.measuring
+    do("parameter beam width")
+    assert viewer.panels["parameters"].view.row("sonar.beam.width").label.property("lit")
+    do("lesson first return")
+    assert viewer.panels["lessons"].progress is not None
+    viewer.panels["lessons"].leave()
+    do("scene pipe-on-bed")
+    assert viewer.session.scene == load_scene("pipe-on-bed")

@@ -1,7 +1,5 @@
 """View for a lecture: what fills the screen, presets on keys, and the files that hold them."""
 
-from __future__ import annotations
-
 import re
 from functools import partial
 from pathlib import Path

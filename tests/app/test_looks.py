@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from controls import choose
+from controls import choose, colours_of
 from PySide6.QtCore import QEvent, QObject, QPoint, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QWidget
@@ -67,10 +67,9 @@ def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
             # A native window may have 16 bits a pixel: 5 of them for red.
             assert corner(window.waterfall).lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
             assert ACCENT.name() in words.text(), "so do the links of a description"
-            picture = water.grab().toImage()  # angles over the water are written on the ground of the window
-            right = range(water.width() // 2, water.width())
-            above = [picture.pixelColor(x, y).name() for x in right for y in range(2, 20)]
-            assert max(contrast(colour, ground) for colour in above) >= 4.5
+            picture = colours_of(water.grab().toImage())  # angles over the water stand on the ground of the window
+            above = np.unique(picture[2:20, water.width() // 2 :])
+            assert max(contrast(f"#{colour:06x}", ground) for colour in above) >= 4.5
         assert window.looks.themes[1].isChecked()
     finally:
         apply_theme(qapp)
@@ -199,6 +198,6 @@ def test_marks_of_a_record_stand_out_from_their_halos(theme, qtbot):
         painter = QPainter(picture)
         draw_pin(painter, QPoint(30, 30))
         painter.end()
-        drawn = {picture.pixelColor(x, y).name() for x in range(60) for y in range(60)}
+        drawn = {f"#{colour:06x}" for colour in np.unique(colours_of(picture))}
         assert max(contrast(one, echo) for one in drawn) >= 3.0
         assert max(contrast(MARK_IN_WATER, one) for one in drawn) >= 3.0, "against the echo or the halo"

@@ -77,10 +77,11 @@ def test_pinned_rows_stand_on_top_and_rare_fields_are_folded(viewer, qtbot):
     assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
 
 
-def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(
-        edit(small, {"description": "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."})
-    )
+def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_it_was(
+    open_viewer, small, qtbot, monkeypatch
+):
+    links = "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."
+    viewer = open_viewer(edit(small, {"description": links}))
     view, session = panel(viewer).view, viewer.session
     seen = []
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
@@ -109,6 +110,23 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
     qtbot.wait(500)
     assert session.scene.track.altitude == 9.0
     assert session.history.undoable[0] == "open Another"
+    # An effect goes and comes back as it was.
+    start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
+    viewer.open(start)
+    tick(viewer, "beam")
+    assert session.scene.sonar.beam.kind == "knife"
+    assert session.history.undoable[0] == "beam switched off"
+    tick(viewer, "beam")
+    assert session.scene == start
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.kind == "rayleigh", "usual settings, for want of earlier ones"
+    session.settle({"receiver.speckle.looks": 4})
+    tick(viewer, "speckle")
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.looks == 4
+    viewer.open(edit(small, {"title": "Another", "seed": 9}))
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
@@ -122,25 +140,6 @@ def test_every_link_leads_there_and_back(name):
         assert row_of(trials.links(scene)[number].path, there) in there, "its row is lit"
         assert session.settle(trials.follow(session.scene, number)[1])
         assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
-
-
-def test_an_effect_goes_and_comes_back_as_it_was(open_viewer, small, qtbot):
-    start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
-    viewer = open_viewer(start)
-    tick(viewer, "beam")
-    assert viewer.session.scene.sonar.beam.kind == "knife"
-    assert viewer.session.history.undoable[0] == "beam switched off"
-    tick(viewer, "beam")
-    assert viewer.session.scene == start
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.kind == "rayleigh", "usual settings, for want of earlier ones"
-    viewer.session.settle({"receiver.speckle.looks": 4})
-    tick(viewer, "speckle")
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.looks == 4
-    viewer.open(edit(small, {"title": "Another", "seed": 9}))
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
 def test_bent_water_goes_straight_and_bends_again():

@@ -5,7 +5,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from controls import drag, picture_of, turn_wheel
+from controls import colours_of, drag, picture_of, turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
@@ -243,8 +243,7 @@ def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_opt
     upright = view.grab(area).toImage()
     viewer.session.show(newest_on_top=False)
     turned = view.grab(area).toImage().flipped(Qt.Orientation.Vertical)
-    pictures = [each.convertToFormat(each.Format.Format_RGB32) for each in (upright, turned)]  # which own their bytes
-    a, b = (np.frombuffer(each.constBits(), np.uint8).astype(int) for each in pictures)
+    a, b = (colours_of(each).view(np.uint8).astype(int) for each in (upright, turned))
     assert np.abs(a - b).mean() < 2.0
     # Options reach a recording and its saved picture.
     viewer.session.show(newest_on_top=True, scale="fit", side_gains=(0.0, 0.0))

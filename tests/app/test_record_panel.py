@@ -37,7 +37,7 @@ def panel(viewer):
     return viewer.panels["record"]
 
 
-def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qtbot):
+def test_options_follow_ticks_and_keys_and_levels_behind_a_tab_are_not_counted(viewer, panel, qtbot, monkeypatch):
     for name, _, key, _ in TICKS:
         viewer.window.open_panel("record")
         before = getattr(viewer.session.display, name)
@@ -56,6 +56,15 @@ def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qt
     combo = panel.view.choices["palette"].combo
     choose(combo, 2)
     assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
+    # Levels behind a tab are not counted.
+    asked, find = [], panel._find_levels
+    monkeypatch.setattr(panel, "_find_levels", lambda: asked.append(True) or find())
+    viewer.session.settle({"track.altitude": 8.0})
+    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.wait(50)
+    assert not asked
+    viewer.window.open_panel("record")
+    qtbot.waitUntil(lambda: bool(asked))
 
 
 def test_display_options_are_undone_by_name(viewer, panel):
@@ -310,19 +319,6 @@ def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtb
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 
-def test_levels_behind_a_tab_are_not_counted(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(small)
-    record, asked = viewer.panels["record"], []
-    find = record._find_levels
-    monkeypatch.setattr(record, "_find_levels", lambda: asked.append(True) or find())
-    viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
-    qtbot.wait(50)
-    assert not asked
-    viewer.window.open_panel("record")
-    qtbot.waitUntil(lambda: bool(asked))
-
-
 ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000
 PING = 100
 
@@ -345,6 +341,13 @@ def shadow_of(simulation: Simulation, across: float) -> tuple[Mark, Mark]:
     return Mark(PING, 0, first - 1), Mark(PING, 0, last)
 
 
+def tangent_ranges(across: float, radius: float) -> tuple[float, float]:
+    """Slant ranges at which the two tangents from the sonar to a circle on the bed meet the bed."""
+    down = math.atan2(ALTITUDE - radius, across)
+    half = math.asin(radius / math.hypot(across, ALTITUDE - radius))
+    return ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
+
+
 @pytest.mark.parametrize("across", [15.0, 20.0, 28.0])
 @pytest.mark.parametrize("radius", [0.25, 0.5, 1.0])
 @pytest.mark.parametrize("kind", ["pipe", "sphere"])
@@ -359,12 +362,8 @@ def test_heights_from_shadows_are_those_of_the_targets(kind, radius, across):
     ends = [locate_simulated(simulation, mark) for mark in shadow_of(simulation, across)]
     measured = measure(*ends)
     found, of_round = measured.height, measured.round_height
-    assert found is not None
-    assert of_round is not None
-    away = math.hypot(across, ALTITUDE - radius)
-    down, half = math.atan2(ALTITUDE - radius, across), math.asin(radius / away)
-    begins = max(math.sqrt(away**2 - radius**2), ALTITUDE / math.sin(down + half))
-    ends_at = ALTITUDE / math.sin(down - half)
+    begins, ends_at = tangent_ranges(across, radius)
+    begins = max(math.sqrt(across**2 + ALTITUDE**2 - 2.0 * ALTITUDE * radius), begins)  # length of a tangent
     width = 2.0 * ALTITUDE * (RANGE / BINS) / begins  # height of two bins
     assert found == pytest.approx(ALTITUDE * (ends_at - begins) / ends_at, abs=width)
     error = found / (2.0 * radius) - 1.0
@@ -376,11 +375,8 @@ def test_heights_from_shadows_are_those_of_the_targets(kind, radius, across):
 
 def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle():
     """A circle of 0.7 m radius on the bed, 18 m away: its two tangents from the sonar meet the bed at both ends."""
-    away, radius = 18.0, 0.7
-    reach, down = math.hypot(away, ALTITUDE - radius), math.atan2(ALTITUDE - radius, away)
-    half = math.asin(radius / reach)
-    begins, ends = ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
-    assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * radius, rel=1e-12)
+    begins, ends = tangent_ranges(18.0, 0.7)
+    assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * 0.7, rel=1e-12)
     assert round_shadow_height(ALTITUDE, begins, 0.0) == 0.0
     # A shadow without length has no height, and a long one nears the altitude.
     assert [shadow_height(10.0, *each) for each in ((20.0, 5.0), (1.0, 1e9))] == pytest.approx([2.0, 10.0])

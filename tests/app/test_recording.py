@@ -47,11 +47,10 @@ def viewer(open_viewer, small):
         yield opened[0]
 
 
-def open_recording(viewer, path, qtbot) -> Recording:
+def open_recording(viewer, path, qtbot):
     viewer.recordings.open(str(path))
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-    recording: Recording = viewer.recordings.recording
-    return recording
+    return viewer.recordings.recording
 
 
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(

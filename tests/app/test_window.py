@@ -186,7 +186,7 @@ def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
     assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
-def test_edits_are_refused_in_a_sentence_or_take_rows_and_other_values_along(viewer, small, qtbot):
+def test_edits_are_refused_take_rows_and_values_along_and_a_slider_without_effect_stands_aside(viewer, small, qtbot):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
@@ -212,10 +212,8 @@ def test_edits_are_refused_in_a_sentence_or_take_rows_and_other_values_along(vie
     viewer.session.drag({"sonar.range": 60.0})
     assert viewer.session.scene.sonar.ping_rate == 10.0
     viewer.session.settle()
-
-
-def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
-    viewer = open_viewer(edit(small, {"seabed.material": {"name": "silt", "diffuse": 0.2, "specular": 0.0}}))
+    # A slider that changes nothing stands aside.
+    viewer.open(edit(small, {"seabed.material": {"name": "silt", "diffuse": 0.2, "specular": 0.0}}))
     row = number_row(viewer, "sonar.frequency")
     assert not row.slider.isEnabled()
     assert "changes nothing here" in row.slider.toolTip()
