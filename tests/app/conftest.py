@@ -54,14 +54,12 @@ def qtbot(qtbot: Any) -> Any:
 
 
 @pytest.fixture(autouse=True)
-def _questions_are_answered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Discard unsaved changes where a test does not answer otherwise: a question would wait for ever."""
+def _no_person_is_needed(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Discard unsaved changes where a test does not answer otherwise: a question would wait for ever.
+
+    Settings and states of windows are in a folder of each test, not in the person's own.
+    """
     monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.Discard)
-
-
-@pytest.fixture(autouse=True)
-def _settings_are_apart(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep settings and states of windows in a folder of each test, not in the person's own."""
     folder = tmp_path_factory.mktemp("settings")
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(folder))
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
@@ -148,7 +146,7 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
 def open_viewer(
     qtbot: Any,
     qapp: QApplication,
-    _questions_are_answered: None,
+    _no_person_is_needed: None,
     _beds_are_shaded_once: None,
     _seabed_is_not_drawn: None,
 ) -> Iterator[Opener]:

@@ -1,11 +1,13 @@
-"""Controls of a window, as the person and assistive technology meet them."""
+"""Controls of a window, as the person and assistive technology meet them, and scenes that have all of them."""
 
+import re
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -21,7 +23,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.record.record_canvas import RecordCanvas
+from insonify_viewer.state.sections import sections_of
 from insonify_viewer.window.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
@@ -37,6 +41,13 @@ def picture_of(view: RecordCanvas) -> NDArray[np.uint32]:
     """Colours of the rows of a record on screen, newest first, as 0xffRRGGBB."""
     rows = view.record.rows(view.record.shown(view.top))
     return np.asarray(view.image.pixels[view.image._places(rows)])
+
+
+def colours_of(image: QImage) -> NDArray[np.uint32]:
+    """Colours of the pixels of an image, as 0xRRGGBB by row and column."""
+    plain = image.convertToFormat(QImage.Format.Format_RGB32)
+    words = np.frombuffer(plain.constBits(), np.uint32).reshape(plain.height(), plain.width())
+    return words & 0xFFFFFF  # a copy, which outlives the image
 
 
 def takes_keyboard(widget: QWidget) -> bool:
@@ -59,6 +70,14 @@ def activate(window: QWidget, qtbot: Any) -> None:
     window.windowHandle().requestActivate()
     window.activateWindow()
     qtbot.waitUntil(window.isActiveWindow)
+
+
+def assert_side_by_side(window: QWidget, *parts: QWidget) -> None:
+    """Check that parts of a window lie within its width, none of them over another."""
+    places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in parts]
+    for one, place in enumerate(places):
+        assert 0 <= place.left() <= place.right() < window.width()
+        assert not any(place.intersects(other) for other in places[:one])
 
 
 def bring_to_front(window: MainWindow, panel: str) -> None:
@@ -139,3 +158,14 @@ def turn_wheel(
         keys, Qt.ScrollPhase.NoScrollPhase, False,
     )  # fmt: skip
     QApplication.sendEvent(view, event)
+
+
+def scenes_by_rows() -> list:
+    """Every bundled scene as a case; slow are those whose rows, by path and label, all stand in scenes before them."""
+    cases, known = [], set()
+    for name in sorted(bundled_scenes()):
+        rows = [row for section in sections_of(load_scene(name)) for row in section.parameters]
+        kinds = {re.sub(r"\d+", "0", f"{row.path} {row.label}") for row in rows}
+        cases.append(pytest.param(name, marks=[pytest.mark.slow] * (kinds <= known)))
+        known |= kinds
+    return cases

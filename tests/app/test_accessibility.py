@@ -1,10 +1,19 @@
 """Every control of the window explains itself, has a name for screen readers, and is worked by the keyboard alone."""
 
 from collections.abc import Callable
+from itertools import product
 
 import pytest
-from controls import accessible_name, activate, bring_to_front, controls_of, place_of, takes_keyboard
-from PySide6.QtCore import QPoint, Qt
+from controls import (
+    accessible_name,
+    activate,
+    assert_side_by_side,
+    bring_to_front,
+    controls_of,
+    place_of,
+    takes_keyboard,
+)  # fmt: skip
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 
 from insonify.scene import load_scene
@@ -67,23 +76,10 @@ def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
         ((None, None), None, "carrier frequency (Hz; any number)"),
     ],
 )
-def test_a_range_is_that_of_the_bounds_or_of_the_slider(bounds, slider, text):
-    number = NumberField(
-        "sonar.frequency",
-        "frequency",
-        "carrier frequency",
-        "Hz",
-        0,
-        4e5,
-        slider,
-        log=True,
-        integer=False,
-        bounds=bounds,
-    )
+def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_unit_says_so(bounds, slider, text):
+    words = ("sonar.frequency", "frequency", "carrier frequency", "Hz")
+    number = NumberField(*words, 0, 4e5, slider, log=True, integer=False, bounds=bounds)
     assert number.about == text
-
-
-def test_a_number_without_unit_says_so():
     number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
     assert number.about == "seed (no unit; 0 to 9)"
 
@@ -151,35 +147,24 @@ def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
     assert plot.left() - 9 >= metrics.horizontalAdvance("1000 m")
     assert plot.top() >= metrics.height()
     assert window.waterfall._scaled(16) >= metrics.height()
-    # It fits a window.
-    for panel in (None, "lessons"):
-        if panel is not None:
-            viewer.window.open_panel(panel)
-        for width, height in ((900, 540), (1920, 1000)):
-            check_room(viewer, qtbot, panel, width, height)
-
-
-def check_room(viewer, qtbot, panel, width, height):
-    """Check that a window of a size shows its views and a panel side by side."""
-    window = viewer.window
-    window.resize(width, height)
-    qtbot.waitUntil(lambda: window.width() == width)
-    qtbot.wait(100)
-    assert (window.width(), window.height()) == (width, height)
-    side = viewer.panels["parameters"].widget
-    shown = [side, window.waterfall] + ([viewer.panels[panel].widget] if panel else [])
-    places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown]
-    for one, place in enumerate(places):
-        assert 0 <= place.left() <= place.right() < width
-        assert not any(place.intersects(other) for other in places[:one])
-    assert window.seabed.isVisible() is (width == 1920)
-    if panel is not None:
-        buttons = [child for child in shown[-1].findChildren(QPushButton) if child.isVisible()]
-        assert all(button.width() >= button.sizeHint().width() for button in buttons)
-    if width == 900:
-        side.horizontalScrollBar().setValue(side.horizontalScrollBar().maximum())
-        field = next(field for field in side.findChildren(QLineEdit, "value") if in_reach(field))
-        assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
+    # A window of any size shows its views and the lessons side by side.
+    lessons = viewer.panels["lessons"].widget
+    for shown, (width, height) in product(([], [lessons]), ((900, 540), (1920, 1000))):
+        if shown:
+            window.open_panel("lessons")
+        window.resize(width, height)
+        qtbot.waitUntil(lambda width=width: window.width() == width)
+        qtbot.wait(100)
+        assert (window.width(), window.height()) == (width, height)
+        assert_side_by_side(window, panel, window.waterfall, *shown)
+        assert window.seabed.isVisible() is (width == 1920)
+        if shown:
+            buttons = [child for child in lessons.findChildren(QPushButton) if child.isVisible()]
+            assert all(button.width() >= button.sizeHint().width() for button in buttons)
+        if width == 900:
+            panel.horizontalScrollBar().setValue(panel.horizontalScrollBar().maximum())
+            field = next(field for field in panel.findChildren(QLineEdit, "value") if in_reach(field))
+            assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
 
 
 DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
@@ -209,15 +194,16 @@ def walk(window: QWidget, qtbot) -> set[QWidget]:
     return reached
 
 
-def controls_in_reach(window: QWidget) -> set[QWidget]:
-    """Controls of a window that are shown and enabled."""
-    return {child for child in controls_of(window) if child.isVisible() and child.isEnabled()}
+def assert_reached(top: QWidget, window: QWidget, qtbot):
+    """Check that Tab reaches every control below a widget of a window that is shown and enabled."""
+    wanted = {child for child in controls_of(top) if child.isVisible() and child.isEnabled()}
+    assert [place_of(child) for child in wanted - walk(window, qtbot)] == []
+    return wanted
 
 
 def assert_walked(window: QWidget, qtbot):
-    wanted, reached = controls_in_reach(window), walk(window, qtbot)
+    wanted = assert_reached(window, window, qtbot)
     assert wanted
-    assert [place_of(child) for child in wanted - reached] == []
     speaking = wanted | {child for child in window.findChildren(QWidget) if takes_keyboard(child)}
     assert [place_of(child) for child in speaking if not accessible_name(child) and not is_silent(child)] == []
 
@@ -243,9 +229,7 @@ def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dia
         viewer.window.open_panel(name)
         panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
         qtbot.waitUntil(panel.isVisible)
-        wanted, reached = controls_in_reach(panel), walk(viewer.window, qtbot)
-        assert wanted or name != "record"
-        assert [place_of(child) for child in wanted - reached] == []
+        assert assert_reached(panel, viewer.window, qtbot) or name != "record"
     for name in ("chart", "jobs"):
         viewer.window.open_panel(name)
         window = viewer.panels[name].widget

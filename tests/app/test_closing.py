@@ -1,12 +1,15 @@
-"""What a window loads before it opens, and what a closed one leaves behind."""
+"""What a window loads before it opens, what a closed one leaves behind, and what is kept of one that is killed."""
 
 import gc
 import os
+import signal
 import subprocess
 import sys
 import threading
 import time
 import weakref
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,17 +18,18 @@ from shiboken6 import delete
 from stand_in import StandIn
 
 from commands import PATIENCE
+from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.scene import SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
+from insonify_viewer.window.recovery import INTERVAL, Recovery
 from insonify_viewer.work.gc_policy import collected_by_hand, leave_out_libraries
 from insonify_viewer.work.jobs import ThreadJob
 
 
-def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer, small):
+def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(viewer):
     from pyvistaqt import QtInteractor
 
-    viewer = open_viewer(small)
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
     (kept,) = viewer.window.findChildren(QtInteractor)
@@ -136,8 +140,8 @@ def test_no_worker_imports_modules_of_qt():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="priorities of single threads are Linux's")
-def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer, small, qtbot):
-    viewer, found = open_viewer(small), []
+def test_threads_beside_the_window_yield_the_processor_to_it(viewer, qtbot):
+    found = []
 
     def niceness():
         return os.getpriority(os.PRIO_PROCESS, 0)
@@ -227,3 +231,129 @@ def test_cycles_are_collected_in_a_small_share_of_the_time():
             kept.extend([number] for number in range(10_000))
             policy.collect()
     assert gone() is None
+
+
+FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
+# A window that takes an edit after a moment, or says what it offers at its start, with the answer Yes.
+DRIVER = """
+import sys
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QMessageBox
+from insonify.scene import load_scene
+from insonify_viewer import application
+from insonify.io.contacts import Contact
+from insonify_viewer.viewer import Viewer
+from insonify_viewer.window.recovery import CrashRecovery
+
+def ask(window, title, question, *rest):
+    print("ASKED", question, flush=True)
+    return QMessageBox.StandardButton.Yes
+
+QMessageBox.question = ask
+opened = Viewer.open
+Viewer.open = lambda viewer, scene, file="": (opened(viewer, scene, file), report(viewer))
+FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
+def report(viewer):
+    print("ALTITUDE", viewer.session.scene.track.altitude, viewer.session.unsaved, flush=True)
+offer = CrashRecovery.offer
+def offer_and_report(recovery):
+    offer(recovery)
+    if sys.argv[1] == "look":
+        print("CONTACTS", recovery._contacts.all == (FISH,), recovery._contacts.unsaved, flush=True)
+        print("READY", flush=True)
+CrashRecovery.offer = offer_and_report
+def aged():
+    # By the window's own loop of events: a busy machine delays all its timers alike.
+    QTimer.singleShot(5000, lambda: print("AGED", flush=True))
+def begin(viewer):
+    if sys.argv[1] == "edit":
+        QTimer.singleShot(300, lambda: (viewer.session.settle({"track.altitude": 7.25}), aged()))
+    if sys.argv[1] in ("edit", "mark"):
+        QTimer.singleShot(300, lambda: viewer.contacts.add(FISH))
+    if sys.argv[1] == "mark":
+        QTimer.singleShot(300, aged)
+Viewer.start = begin
+application.open_window(load_scene("default"))
+"""
+
+
+def run_until(word: str, last: str, folder) -> list[str]:
+    """Lines that a window writes up to one that begins with a word, at which it is killed."""
+    environment = os.environ | {
+        "QT_QPA_PLATFORM": "offscreen", "XDG_STATE_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)
+    }  # fmt: skip
+    command = [sys.executable, "-c", DRIVER, word]
+    lines: list[str] = []
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            lines.append(line.strip())
+            if line.startswith(last):
+                break
+        assert process.poll() is None, "it ran until it was killed"
+        process.send_signal(signal.SIGKILL)
+    return lines
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+def test_a_killed_window_loses_no_edit_older_than_5_s_nor_a_contact_though_the_scene_is_saved(tmp_path):
+    edited, marked = (tmp_path / word for word in ("edit", "mark"))
+    with ThreadPoolExecutor() as pool:  # both windows grow old at the same time
+        list(pool.map(lambda folder: (folder.mkdir(), run_until(folder.name, "AGED", folder)), (edited, marked)))
+    said = run_until("look", "READY", edited)
+    assert len([line for line in said if line.startswith("ASKED")]) == 1
+    assert "“A pipe that rests and spans” and the list of 1 contact. Open them as they were?" in said[0]
+    assert {"ALTITUDE 7.25 True", "CONTACTS True True"} <= set(said)
+    said = run_until("look", "READY", edited)
+    assert {"ALTITUDE 7.25 True", "CONTACTS True True"} <= set(said), "the second window had kept it anew"
+    said = run_until("look", "READY", marked)
+    assert said[0].endswith("with unsaved changes of the list of 1 contact. Open it as it was?")
+    assert "CONTACTS True True" in said
+    assert not [line for line in said if line.startswith("ALTITUDE")], "no scene is opened"
+
+
+@pytest.fixture
+def recovery():
+    made = Recovery()
+    yield made
+    made.close()
+
+
+def test_work_of_a_window_that_runs_is_not_offered_and_one_that_closes_leaves_nothing(recovery, small):
+    recovery.keep(small, (FISH,))
+    other = Recovery()
+    assert other.find_left() is None
+    other.close()
+    folder = recovery._folder
+    names = lambda: sorted(path.suffix for path in folder.iterdir())  # noqa: E731
+    assert names() == [".geojson", ".lock", ".toml"]
+    recovery.keep(small, ())
+    assert names() == [".lock", ".toml"]
+    recovery.keep(None, (FISH,))
+    assert names() == [".geojson", ".lock"]
+    recovery.keep(edit(small, {"seed": 5}), ())
+    recovery.close()
+    assert list(folder.iterdir()) == []
+
+
+def test_what_cannot_be_read_is_removed(recovery):
+    folder = recovery._folder
+    (folder / "unsaved-0-bad.toml").write_text("no scene [")
+    write_contacts(folder / "unsaved-0-bad.geojson", [FISH])
+    left = recovery.find_left()
+    assert left is not None
+    assert (left.scene, left.contacts) == (None, (FISH,))
+    assert not (folder / "unsaved-0-bad.toml").exists()
+    (folder / "unsaved-0-bad.geojson").write_text("no contacts")
+    assert recovery.find_left() is None
+    assert not (folder / "unsaved-0-bad.geojson").exists()
+
+
+def test_what_is_kept_of_contacts_is_bounded_and_little_is_lost(recovery, monkeypatch):
+    assert INTERVAL < 4.0, "and a second to write"
+    monkeypatch.setattr("insonify_viewer.window.recovery.MOST_CONTACTS", 4)
+    monkeypatch.setattr("insonify_viewer.window.recovery.MOST_PICTURES", 5)
+    recovery.keep(None, tuple(replace(FISH, name=str(number), snapshot=b"12") for number in range(6)))
+    (file,) = recovery._folder.glob("*.geojson")
+    kept = read_contacts(file)
+    assert [(each.name, each.snapshot) for each in kept] == [("2", b""), ("3", b""), ("4", b"12"), ("5", b"12")]

@@ -1,5 +1,6 @@
-"""The command as people run it, without a screen."""
+"""The commands as people run them, without a screen: the window, and moving pictures of a tow."""
 
+import argparse
 import os
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from insonify.cli import main
 from insonify.compiler.progress import report_progress
 from insonify.scene import SceneError, edit, load_scene
 from insonify_viewer import application, commands
+from insonify_viewer.commands import _size
+from insonify_viewer.movie import RATE, View, draw_views, tow_views, write_movie
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 
@@ -114,6 +117,7 @@ def test_no_display_draws_the_window_and_says_so(tmp_path):
         (("--lesson", "nowhere"), "lesson 'nowhere': no such file"),
         (("default", "--pin", "5", "left", "20"), "side 'left'"),
         (("default", "--pin", "5", "port", "far"), "--pin 5 port far"),
+        (("default", "--panel", "sauna", "--snapshot", "w.png"), "--panel sauna: is not a panel; choose one of"),
     ],
 )
 def test_mistakes_are_one_sentence(words, part, capsys):
@@ -169,6 +173,53 @@ def test_a_recording_is_drawn_beside_the_scene(tmp_path, capsys):
     assert not (tmp_path / "broken.png").exists()
 
 
-def test_a_panel_that_is_not_known_is_one_sentence(capsys, tmp_path):
-    assert main(["view", "default", "--panel", "sauna", "--snapshot", str(tmp_path / "window.png")]) == 2
-    assert "--panel sauna: is not a panel; choose one of" in capsys.readouterr().err
+SIZE = (760, 420)
+
+
+def test_the_record_grows_with_the_views_and_follows_changes(qapp, small, tmp_path):
+    changed = View(100, {"track.altitude": 20.0})
+    pictures = list(draw_views(small, SIZE, [View(30), View(100), changed]))
+    assert {picture.shape for picture in pictures} == {(SIZE[1], SIZE[0], 3)}
+    record = [picture[40:300, 440:720].astype(int) for picture in pictures]
+    filled = [(part[..., 0] > part[..., 2] + 30).mean() for part in record]
+    assert filled[1] > 1.5 * filled[0] > 0.0
+    assert filled[2] < filled[1], "the water column is wider from twice the altitude"
+    for name in ("tow.webp", "tow.gif"):
+        write_movie(tmp_path / name, iter(pictures))
+        with Image.open(tmp_path / name) as movie:
+            assert (movie.n_frames, movie.size) == (3, SIZE)
+            assert movie.info["loop"] == 0
+
+
+def test_a_video_is_written_where_the_package_is(tmp_path):
+    pytest.importorskip("imageio_ffmpeg")
+    write_movie(tmp_path / "tow.mp4", (np.full((320, 480, 3), grey, np.uint8) for grey in (0, 100, 200)))
+    assert (tmp_path / "tow.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_views_end_at_the_last_ping(small):
+    views = tow_views(small, 2.0)
+    assert len(views) == 2 * RATE
+    assert views[-1] == View(small.track.pings - 1)
+
+
+@pytest.mark.parametrize("given", ["7x7", "761x420", "760", "760x", "x420", "99999x420", "-760x420"])
+def test_a_size_that_no_video_has_is_refused(given):
+    with pytest.raises(argparse.ArgumentTypeError, match=given):
+        _size(given)
+
+
+def test_other_endings_and_what_memory_cannot_hold_are_refused_before_the_work(tmp_path, capsys):
+    large = ["--seconds", "300", "--size", "1280x720"]
+    for name, words, part in (
+        ("tow.png", [], ".webp or .gif or .mp4"),
+        ("tow.webp", large, "write .mp4, or at most --seconds 60"),
+    ):
+        assert main(["movie", "default", *words, "-o", str(tmp_path / name)]) == 2
+        assert part in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_change_that_no_scene_can_have_is_an_error(qapp, small):
+    with pytest.raises(SceneError, match="altitude"):
+        list(draw_views(small, SIZE, [View(10, {"track.altitude": -3.0})]))

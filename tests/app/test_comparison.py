@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from controls import activate, bring_to_front, choose, drag, press_shortcut
+from controls import activate, bring_to_front, choose, colours_of, drag, press_shortcut
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
 
@@ -44,12 +43,10 @@ def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small):
     expected = np.linalg.norm((other - one)[:, :, far]) / np.linalg.norm(one[:, :, far])
     before, after = heard(one, small), heard(other, small)
     found = compare_records(before, after)
-    assert found is not None
     assert found.share == pytest.approx(expected, rel=1e-5)
     level = 10.0 * np.log10(other[:, :, far].sum() / one[:, :, far].sum())
     assert found.decibels == pytest.approx(level, abs=1e-4)
     later = compare_records(before, heard(other[20:], small, first=20))
-    assert later is not None
     expected = np.linalg.norm((other - one)[20:, :, far]) / np.linalg.norm(one[20:, :, far])
     assert later.share == pytest.approx(expected, rel=1e-5)
     assert compare_records(before, heard(other, small, first=30)) is None
@@ -73,14 +70,14 @@ def test_a_bright_line_rules_the_rms_and_not_what_is_seen():
 
 
 def test_a_difference_in_words(small):
-    assert RecordDifference(0.0, 0.0, 0.0).in_words() == "does not change the record"
-    assert RecordDifference(0.123, -0.84, 0.036).in_words() == (
-        "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB"
-    )
-    assert RecordDifference(0.004, 0.001, 0.0).in_words() == "changes the record by 0.4 %, not visibly"
-    assert not are_comparable(small, edit(small, {"sonar.bins": 200}))
-    assert not are_comparable(small, edit(small, {"sonar.range": 40.0}))
-    assert are_comparable(small, edit(small, {"track.altitude": 7.0}))
+    words = {
+        (0.0, 0.0, 0.0): "does not change the record",
+        (0.123, -0.84, 0.036): "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB",
+        (0.004, 0.001, 0.0): "changes the record by 0.4 %, not visibly",
+    }
+    assert {numbers: RecordDifference(*numbers).in_words() for numbers in words} == words
+    comparable = {("sonar.bins", 200): False, ("sonar.range", 40.0): False, ("track.altitude", 7.0): True}
+    assert {change: are_comparable(small, edit(small, dict([change]))) for change in comparable} == comparable
 
 
 def test_changes_name_fields_and_choices(small):
@@ -142,15 +139,12 @@ def middle(viewer, share: float = 0.75) -> QPoint:
 
 
 def colour(viewer, share: float = 0.75) -> int:
-    place = middle(viewer, share)
-    return int(viewer.window.waterfall.grab().toImage().pixel(place) & 0xFF00)
+    return int(viewer.window.waterfall.grab().toImage().pixel(middle(viewer, share)) & 0xFF00)
 
 
 def pixels(view, plot: QRect) -> np.ndarray:
     """Colours of a part of a view."""
-    image = view.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
-    words = np.frombuffer(image.constBits(), np.uint32).reshape(image.height(), image.width())
-    return words[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1].copy()
+    return colours_of(view.grab().toImage())[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1]
 
 
 def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compared, qtbot):
@@ -160,15 +154,12 @@ def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compare
     assert compared.comparison.changes == [("material diffuse", "0.2", "0.4")]
     assert compared.comparison.titles == ("material diffuse 0.2", "material diffuse 0.4")
     # Amplitudes twice as high are four times the energy.
-    assert (
-        compared.comparison.difference
-        == "changes the record by 300 %, 100 % of its picture visibly, its mean level by +6 dB"
-    )
-    said = compared.window.status.sentence.text()
-    assert said == f"material diffuse 0.2 → 0.4: {compared.comparison.difference}"
-    shown = compared.panels["comparison"].view
-    assert "0.2 → 0.4" in shown.changes.text()
-    assert "+6 dB" in shown.changes.text()
+    found = "changes the record by 300 %, 100 % of its picture visibly, its mean level by +6 dB"
+    assert compared.comparison.difference == found
+    assert compared.window.status.sentence.text() == f"material diffuse 0.2 → 0.4: {found}"
+    shown = compared.panels["comparison"].view.changes.text()
+    assert "0.2 → 0.4" in shown
+    assert "+6 dB" in shown
     # Both are named where they stand side by side.
     views = compared.window.record_a, compared.window.waterfall
     assert [view._title for view in views] == ["", ""]
@@ -250,7 +241,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
         QTest.keyRelease(compared.window, Qt.Key.Key_X)
 
 
-def test_a_lies_left_of_a_line_that_is_dragged_or_is_drawn_as_a_difference_with_a_scale(compared, qtbot):
+def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linked_beside_b(compared, qtbot):
     window, overlay = compared.window, compared.window.overlay
     bright = colour(compared)
     press_shortcut(compared.window, "W")
@@ -282,10 +273,10 @@ def test_a_lies_left_of_a_line_that_is_dragged_or_is_drawn_as_a_difference_with_
     qtbot.waitUntil(lambda: compared.complete)
     assert window.waterfall.grab().toImage() != before
     assert overlay.difference.span == SPANS[0], "both are the same"
-
-
-def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_them(compared, qtbot):
-    window, links = compared.window, compared.comparison.links
+    # Linked records zoom, scroll and point together until the padlock parts them.
+    compared.session.settle(LIGHT)
+    qtbot.waitUntil(lambda: compared.complete)
+    links = compared.comparison.links
     live, beside = window.waterfall, window.record_a
     compared.comparison.arrange(Arrangement.BESIDE)
     qtbot.waitUntil(beside.isVisible)
@@ -321,7 +312,7 @@ def test_linked_records_zoom_scroll_and_point_together_until_the_padlock_parts_t
     assert compared.session.modelling == Modelling(0.1)
 
 
-def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced_as_a(viewer, small, qtbot):
+def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_panel_keeps_one(viewer, small, qtbot):
     for key in ("W", "D", "Shift+K"):
         press_shortcut(viewer.window, key)
         assert "press K" in viewer.window.status.sentence.text()
@@ -342,9 +333,9 @@ def test_without_a_and_without_a_partner_the_keys_say_so_until_a_scene_is_traced
     viewer.comparison.keep_scene(edit(small, {"seed": 666}))
     qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
     assert viewer.comparison.a is None
-
-
-def test_the_panel_keeps_arranges_and_leaves(viewer, small, qtbot):
+    # The panel keeps, arranges and leaves.
+    viewer.open(small)
+    qtbot.waitUntil(lambda: viewer.complete)
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)

@@ -30,7 +30,9 @@ def copied(viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_also_by_the_keyboard(viewer):
+def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_and_a_fault_of_an_explanation_is_told(
+    viewer, qtbot, monkeypatch
+):
     status = viewer.window.status
     viewer.window.say("a sentence before")
     assert not status.copy.isVisible()
@@ -52,6 +54,18 @@ def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_also_by_the_k
     button.setFocus()
     QTest.keyClick(button, Qt.Key.Key_Space)
     assert QGuiApplication.clipboard().text().startswith("track.pings: 0 is too few")
+    # A fault of an explanation is told.
+    viewer.window.say("another sentence")
+
+    def fail(*_):
+        int(float("nan"))
+
+    monkeypatch.setattr(pixel_controller, "_explained", fail)
+    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
+        viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
+        qtbot.waitUntil(viewer.window.status.copy.isVisible)
+    assert ValueError in [kind for kind, *_ in printed]
+    assert "in fail" in copied(viewer)
 
 
 def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qtbot):
@@ -70,7 +84,7 @@ def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qt
     assert "in intensity" in text
 
 
-def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(viewer, qtbot):
+def test_a_fault_in_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(viewer, qtbot, tmp_path):
     def fail():
         raise KeyError("no such thing")
 
@@ -110,21 +124,7 @@ def test_a_fault_in_a_slot_or_a_thread_is_one_sentence_and_the_window_lives(view
         assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail_in_thread" in copied(viewer)
-
-
-def test_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
-    def fail(*_):
-        int(float("nan"))
-
-    monkeypatch.setattr(pixel_controller, "_explained", fail)
-    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
-        qtbot.waitUntil(viewer.window.status.copy.isVisible)
-    assert ValueError in [kind for kind, *_ in printed]
-    assert "in fail" in copied(viewer)
-
-
-def test_a_job_that_failed_or_crashed_offers_its_details(viewer, qtbot, tmp_path):
+    # A job that failed or crashed offers its details.
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]
     panel.write_record(tmp_path / "nowhere" / "record.nc")

@@ -82,16 +82,21 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_is_modelled_as_in_the_window(viewer, small, qtbot, tmp_path):
+def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(viewer, small, knife, qtbot, tmp_path):
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
     expected = simulate(small, tolerance=0.2, forced={"planes": "2"})
     np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, expected.intensity)
-
-
-def test_a_picture_is_displayed_as_in_the_window(open_viewer, knife, qtbot, tmp_path):
-    viewer = open_viewer(knife)
+    # A data set is stopped with its workers.
+    arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
+    job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
+    qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
+    job.stop()
+    qtbot.waitUntil(lambda: not job.running)
+    assert job.state is State.STOPPED
+    # A picture is displayed as in the window.
+    viewer.open(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
     viewer.session.show(**look)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "window.png")
@@ -101,7 +106,8 @@ def test_a_picture_is_displayed_as_in_the_window(open_viewer, knife, qtbot, tmp_
         np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
 
 
-def test_the_time_left_counts_from_where_a_stage_goes_on(monkeypatch):
+def test_the_time_left_counts_from_where_a_stage_goes_on_in_whole_numbers(monkeypatch):
+    assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
     clock = [0.0]
     monkeypatch.setattr(background_job.time, "monotonic", lambda: clock[0])
     job = ThreadJob("a page", print, lambda *_: None)
@@ -131,12 +137,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
     (chart, scene_file, *of), mosaic, dataset, page = begun
     assert (chart, *of) == ("chart", "--of", "convergence", "-o", str(tmp_path / "chart.png"))
     assert Path(scene_file).suffix == ".toml"
-    assert mosaic == (
-        "mosaic",
-        *(str(tmp_path / name) for name in ("a.xtf", "b.xtf")),
-        "-o",
-        str(tmp_path / "mosaic.tif"),
-    )
+    assert mosaic == ("mosaic", *map(str, records), "-o", str(tmp_path / "mosaic.tif"))
     assert dataset == ("dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "3")
     assert page == ("stability", "-o", str(tmp_path / "page.html"))
     # A survey of the scene covers the area of the question.
@@ -185,16 +186,6 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
     return True
 
 
-def test_a_data_set_is_stopped_with_its_workers(open_viewer, knife, qtbot, tmp_path):
-    viewer = open_viewer(knife)
-    arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
-    job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
-    qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
-    job.stop()
-    qtbot.waitUntil(lambda: not job.running)
-    assert job.state is State.STOPPED
-
-
 def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
     viewer = open_viewer(endless_work)
     asked = []
@@ -215,10 +206,6 @@ def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work
     assert not viewer.window.isVisible()
     assert not job.running
     assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
-
-
-def test_times_to_wait_are_whole_numbers():
-    assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
 
 
 def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, knife, qtbot):
@@ -281,9 +268,9 @@ def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(op
 
 def focus() -> QWidget:
     """Widget that has the keyboard."""
-    held = QApplication.focusWidget()
-    assert held is not None
-    return held
+    widget = QApplication.focusWidget()
+    assert widget is not None
+    return widget
 
 
 def press(qtbot, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier):
@@ -336,8 +323,7 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     assert list(tmp_path.iterdir()) == []
     press(qtbot, Qt.Key.Key_L, Qt.KeyboardModifier.AltModifier)
     assert not viewer.window.jobs.isVisible()
-    qtbot.waitUntil(
-        lambda: not view.rows and not viewer.jobs.jobs
-    )  # a button that is pressed by its letter is shown pressed for a moment
+    # A button that is pressed by its letter is shown pressed for a moment.
+    qtbot.waitUntil(lambda: not view.rows and not viewer.jobs.jobs)
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()

@@ -1,30 +1,31 @@
-"""Menus and tools have their places, there is room for every widget, and words can be told apart and read."""
+"""Menus, tools and palette have their places, there is room for every widget, and words can be told apart and read."""
 
 from collections import Counter
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from controls import activate
+from controls import activate, assert_side_by_side, colours_of, scenes_by_rows
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
-from scenes_by_rows import scenes_by_rows
 
 import insonify_viewer
 from insonify.display.range_axis import SLANT, make_range_axis
-from insonify.scene import edit, load_scene
+from insonify.files import bundled_lessons
+from insonify.scene import bundled_scenes, edit, load_scene, scene_from_toml
+from insonify_viewer.panels.panel import Entry
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
 from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
-from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import Theme, apply_theme
+from insonify_viewer.window.command_palette import find_entries
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
-
-MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
 
 @pytest.mark.parametrize("name", scenes_by_rows())
@@ -49,12 +50,13 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
             assert words.width() <= child.contentsRect().width(), child.text()
 
 
-def test_parts_of_one_kind_are_numbered(default):
-    sections = sections_of(edit(default, {"track.motion": MOTIONS}))
+def test_parts_of_one_kind_are_numbered():
+    heaves = [{"kind": "heave", "period": period} for period in (8.0, 3.0)]
+    motions = {"kind": "sum", "of": [*heaves, {"kind": "roll"}]}
+    sections = sections_of(edit(load_scene("default"), {"track.motion": motions}))
     found = {row.path: row.label for section in sections for row in section.parameters}
-    assert found["track.motion.of.0.amplitude"] == "heave 1 amplitude"
-    assert found["track.motion.of.1.amplitude"] == "heave 2 amplitude"
-    assert found["track.motion.of.2.amplitude"] == "roll amplitude"
+    labels = [found[f"track.motion.of.{part}.amplitude"] for part in range(3)]
+    assert labels == ["heave 1 amplitude", "heave 2 amplitude", "roll amplitude"]
 
 
 def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
@@ -101,31 +103,14 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_tools_fit_900_px_and_the_window_half_a_screen(viewer, qtbot):
-    window = viewer.window
-    bar = window.findChild(QToolBar)
-    assert bar.sizeHint().width() <= 900
-    window.resize(900, 540)
-    qtbot.waitUntil(lambda: window.width() == 900)
-    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
-    assert window.minimumSizeHint().width() <= 800
-    window.resize(800, 450)
-    qtbot.waitUntil(lambda: window.width() == 800)
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert window.size().width() <= 800
-
-
 def test_a_plot_is_at_true_scale_where_it_fits():
     room = QRect(64, 24, 500, 700)
     plot = plot_at_true_scale(room, 100.0, 100.0)
     assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
     assert name_scale(plot, 100.0, 100.0) == "1 : 1"
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
-    assert name_scale(room, 20.0, 100.0) == "track × 7"
-    assert name_scale(room, 1400.0, 100.0) == "track ÷ 10"
-    assert name_scale(room, 1.25, 100.0) == "track × 112"
-    assert name_scale(room, 56.0, 100.0) == "track × 2.5"
+    names = {20.0: "track × 7", 1400.0: "track ÷ 10", 1.25: "track × 112", 56.0: "track × 2.5"}
+    assert {along: name_scale(room, along, 100.0) for along in names} == names
 
 
 def test_a_measurement_stays_within_a_narrow_record(qapp):
@@ -135,7 +120,7 @@ def test_a_measurement_stays_within_a_narrow_record(qapp):
     words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
     draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     painter.end()
-    drawn = np.frombuffer(image.constBits(), np.uint32).reshape(300, 400) & 0xFFFFFF
+    drawn = colours_of(image)
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
     assert not drawn[:, 290:].any()
@@ -151,7 +136,7 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
     draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
     name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
     painter.end()
-    line = (np.frombuffer(image.constBits(), np.uint32).reshape(200, 800) & 0xFFFFFF)[150:168].any(axis=0)
+    line = colours_of(image)[150:168].any(axis=0)
     assert not line[: 70 + taken].any()
     drawn = np.flatnonzero(line)
     assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
@@ -160,10 +145,8 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
 
 
 def test_metres_towed_are_written_to_tenths():
-    written = [
-        write_towed(metres, apart) for metres, apart in ((54.4912, 6.0), (6.0541, 6.0), (100.0, 20.0), (0.05, 0.05))
-    ]
-    assert written == ["54.5 m", "6.1 m", "100 m", "0.05 m"]
+    written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
+    assert {given: write_towed(*given) for given in written} == written
 
 
 def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer, small):
@@ -178,57 +161,46 @@ def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer, small):
     viewer.session.undo()
 
 
-@pytest.fixture
-def default():
-    return load_scene("default")
-
-
 @pytest.mark.parametrize("width", [780, 900, 1000, 1600])
 def test_panels_at_both_sides_stay_within_the_window(width, viewer, qtbot):
-    window = viewer.window
+    window, lessons = viewer.window, viewer.panels["lessons"].widget
     window.resize(width, 540)
     qtbot.waitUntil(lambda: window.width() == width)
     shown = [viewer.panels["parameters"].widget, window.waterfall]
-    for more in ([], [viewer.panels["lessons"].widget]):
+    for more in ([], [lessons]):
         if more:
             window.open_panel("lessons")
         qtbot.wait(100)
-        places = [part.rect().translated(part.mapTo(window, QPoint(0, 0))) for part in shown + more]
-        for one, place in enumerate(places):
-            assert 0 <= place.left() <= place.right() < width
-            assert not any(place.intersects(other) for other in places[:one])
+        assert window.width() == width
+        assert_side_by_side(window, *shown, *more)
         assert window.waterfall.width() >= 200
         assert window.seabed.isVisible()
     window._buttons["lessons"].setChecked(False)
-    qtbot.waitUntil(lambda: not more[0].isVisible())
+    qtbot.waitUntil(lambda: not lessons.isVisible())
     assert window.seabed.isVisible()
 
 
 def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(viewer, qtbot):
-    for size in ((1600, 1000), (1280, 800)):
-        check_room(viewer, size, qtbot)
-
-
-def check_room(viewer, size, qtbot):
-    window = viewer.window
-    window.resize(*size)
-    for panel in ("lessons", "water"):
-        window.open_panel(panel)
-    views = window._splitter
-    qtbot.waitUntil(lambda: views.width() * views.height() >= 0.45 * window.width() * window.height())
-    assert (window.width(), window.height()) == size
+    window, views = viewer.window, viewer.window._splitter
     places = [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
-    assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
-    assert window.waterfall.width() > window.seabed.width()
-    if size == (1280, 800):
-        qtbot.waitUntil(lambda: places[1].height() > 1.3 * places[0].height())
-        assert window.waterfall.trace_area() is None, "the record has its room"
-        window.trace.trigger()
-        assert window.waterfall.trace_area() is not None, "unless the person asks for it"
-    for panel in ("lessons", "water"):
-        window._buttons[panel].setChecked(False)
-    window.open_panel("lessons")
-    qtbot.waitUntil(lambda: places[1].mapTo(window, QPoint(0, 0)).x() < (views.x() if size[0] > 1500 else size[0]))
+    for width, height in ((1600, 1000), (1280, 800)):
+        window.resize(width, height)
+        for panel in ("lessons", "water"):
+            window.open_panel(panel)
+        qtbot.waitUntil(lambda: views.width() * views.height() >= 0.45 * window.width() * window.height())
+        assert (window.width(), window.height()) == (width, height)
+        assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
+        assert window.waterfall.width() > window.seabed.width()
+        if width == 1280:
+            qtbot.waitUntil(lambda: places[1].height() > 1.3 * places[0].height())
+            assert window.waterfall.trace_area() is None, "the record has its room"
+            window.trace.trigger()
+            assert window.waterfall.trace_area() is not None, "unless the person asks for it"
+        for panel in ("lessons", "water"):
+            window._buttons[panel].setChecked(False)
+        window.open_panel("lessons")
+        edge = views.x() if width > 1500 else width
+        qtbot.waitUntil(lambda edge=edge: places[1].mapTo(window, QPoint(0, 0)).x() < edge)
 
 
 def entries(menu: QMenu) -> list[QAction]:
@@ -237,11 +209,23 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_every_tool_stands_in_a_menu_and_no_key_for_two_commands(window, qtbot, monkeypatch):
+def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_commands(viewer, window, qtbot, monkeypatch):
+    bar = window.findChild(QToolBar)
+    assert bar.sizeHint().width() <= 900
+    window.resize(900, 540)
+    qtbot.waitUntil(lambda: window.width() == 900)
+    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
+    assert window.minimumSizeHint().width() <= 800
+    window.resize(800, 450)
+    qtbot.waitUntil(lambda: window.width() == 800)
+    window.open_panel("water")
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert window.size().width() <= 800
+    # Every tool stands in a menu.
     menus = [action.menu() for action in window.menuBar().actions()]
     assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
     listed = {action for menu in menus for action in entries(menu)}
-    tools = [action for action in window.findChild(QToolBar).actions() if action.text() and not action.isSeparator()]
+    tools = [action for action in bar.actions() if action.text() and not action.isSeparator()]
     assert len(tools) >= 8
     assert set(tools) <= listed
     assert all(menu.actions() for menu in menus)
@@ -295,3 +279,60 @@ def listed_keys(dialog: KeysDialog) -> set[tuple[str, str]]:
     groups = (dialog.list.topLevelItem(number) for number in range(dialog.list.topLevelItemCount()))
     rows = (group.child(number) for group in groups for number in range(group.childCount()))
     return {(row.text(0), row.text(1)) for row in rows}
+
+
+def test_names_that_begin_with_the_words_come_first():
+    names = ("Undo", "beam width", "beam", "Save the beam")
+    entries = [Entry("Parameter", name, "", lambda: None) for name in names]
+    entries.append(Entry("Scene", "ghosts", "a wide beam", lambda: None))
+    found = [entry.name for entry in find_entries(entries, "Beam")]
+    assert found == ["beam width", "beam", "Save the beam", "ghosts"]
+    assert [entry.name for entry in find_entries(entries, "width beam")] == ["beam width"]
+    assert len(find_entries(entries, "")) == 5
+
+
+def test_the_menu_of_a_record_explains_marks_and_copies_and_the_palette_finds_and_does_everything(viewer, small, qtbot):
+    window, mark = viewer.window, Mark(100, 1, 60)
+    menu = viewer.record_menu.open(window.waterfall, mark, QPoint(0, 0))
+    offered = {action.text(): action for action in menu.actions() if action.text()}
+    assert set(offered) >= {"Explain this pixel", "Mark a contact here", "Measure a line", "Keep as A"}
+    offered["Explain this pixel"].trigger()
+    assert viewer.inspection.mark == mark
+    offered["Mark a contact here"].trigger()
+    assert [mark_of(contact) for contact in viewer.contacts.all] == [mark]
+    clipboard = QGuiApplication.clipboard()
+    offered["Copy picture of the record"].trigger()
+    assert clipboard.image().width() >= 3 * window.waterfall.width()
+    offered["Copy scene as TOML"].trigger()
+    assert scene_from_toml(clipboard.text()) == small
+    offered["Copy scene as Python"].trigger()
+    named: dict[str, Any] = {}
+    exec(clipboard.text().replace("record = simulate(scene)", ""), named)
+    assert named["scene"] == small
+    menu.close()
+    menu = viewer.record_menu.open(window.waterfall, mark, QPoint(0, 0))
+    assert "Release this pixel" in [action.text() for action in menu.actions()]
+    menu.close()
+
+    # The palette finds everything and does it.
+    def do(words: str) -> None:
+        palette = window.open_palette()
+        qtbot.keyClicks(palette.search, words)
+        for key in (Qt.Key.Key_Down, Qt.Key.Key_Up, Qt.Key.Key_Return):
+            qtbot.keyClick(palette.search, key)
+
+    palette = window.open_palette()
+    kinds = [entry.kind for entry in palette._entries]
+    palette.close()
+    assert kinds.count("Scene") == len(bundled_scenes())
+    assert kinds.count("Lesson") == len(bundled_lessons())
+    assert {"File", "Edit", "View", "Record", "Tools", "Help", "Parameter"} <= set(kinds)
+    do("measure a line")
+    assert window.waterfall.measuring
+    do("parameter beam width")
+    assert viewer.panels["parameters"].view.row("sonar.beam.width").label.property("lit")
+    do("lesson first return")
+    assert viewer.panels["lessons"].progress is not None
+    viewer.panels["lessons"].leave()
+    do("scene pipe-on-bed")
+    assert viewer.session.scene == load_scene("pipe-on-bed")

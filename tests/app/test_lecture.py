@@ -1,7 +1,5 @@
 """View for a lecture: what fills the screen, presets on keys, and the files that hold them."""
 
-from __future__ import annotations
-
 import re
 from functools import partial
 from pathlib import Path
@@ -17,8 +15,9 @@ from insonify_viewer.state.playlist import Preset, read_playlist, write_playlist
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(open_viewer, small, qtbot):
-    viewer = open_viewer(small)
+def test_a_lecture_shows_presets_by_keys_leaves_the_window_as_it_was_and_they_are_opened_and_saved(
+    viewer, small, qtbot, tmp_path, monkeypatch
+):
     window, session = viewer.window, viewer.session
     window.open_panel("water")
     docks = [viewer.panels[name].widget for name in ("parameters", "water")]
@@ -61,10 +60,7 @@ def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(open_vi
     qtbot.waitUntil(lambda: abs(window._splitter.sizes()[0] - sizes[0]) < 8)
     press(Qt.Key.Key_2)
     assert session.display.side == "port", "the keys have their usual meaning again"
-
-
-def test_presets_are_opened_and_saved(open_viewer, small, tmp_path, monkeypatch):
-    viewer = open_viewer(small)
+    # Presets are opened and saved.
     file = tmp_path / "lecture.toml"
     file.write_text('[[preset]]\nscene = "ripples"\nset = { "track.altitude" = 4.0 }\ndisplay = ["side=\\"port\\""]\n')
     presets = viewer.presets
@@ -74,23 +70,18 @@ def test_presets_are_opened_and_saved(open_viewer, small, tmp_path, monkeypatch)
     found = read_playlist(tmp_path / "shared.toml")
     assert found == read_playlist(file)
     assert (found[1].scene.track.altitude, found[1].display.side) == (4.0, "port")
-    assert viewer.window.settings.presets == str(tmp_path / "shared.toml"), "opened at the next start"
+    assert window.settings.presets == str(tmp_path / "shared.toml"), "opened at the next start"
     file.write_text("[[preset]]\nscene = 3\n")
     presets.open(str(file))
-    assert "lecture.toml: preset 1: scene = 3 is not valid" in viewer.window.status.sentence.text()
+    assert "lecture.toml: preset 1: scene = 3 is not valid" in window.status.sentence.text()
 
 
 def test_a_playlist_is_read_as_it_was_written(tmp_path):
-    scene = edit(load_scene("default"), {"track.altitude": 6.0})
-    presets = {
-        3: Preset("Low", scene, DisplayOptions(palette="grey", gain=3.0)),
-        9: Preset("x", scene, DisplayOptions()),
-    }
+    scene, look = edit(load_scene("default"), {"track.altitude": 6.0}), DisplayOptions(palette="grey", gain=3.0)
+    presets = {3: Preset("Low", scene, look), 9: Preset("x", scene, DisplayOptions())}
     write_playlist(tmp_path / "a.toml", presets)
     assert read_playlist(tmp_path / "a.toml") == presets
-
-
-def test_the_playlist_of_the_documentation_is_one(tmp_path):
+    # The playlist of the documentation is one.
     (shown,) = re.findall(r"```toml\n(.*?)```", (ROOT / "docs/howto/view.md").read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "a.toml").write_text(shown, encoding="utf-8")
     assert read_playlist(tmp_path / "a.toml")[1].scene.track.altitude == 5.0
@@ -103,10 +94,7 @@ def test_the_playlist_of_the_documentation_is_one(tmp_path):
         ("[[preset]", "not valid TOML"),
         ('[[preset]]\nscene = "nowhere"', "preset 1: scene 'nowhere'"),
         ('[[preset]]\nkey = 12\nscene = "default"', "key 12 is not one of 1 to 9"),
-        (
-            '[[preset]]\nkey = 2\nscene = "default"\n[[preset]]\nscene = "wreck"',
-            "preset 2: key 2 belongs to",
-        ),
+        ('[[preset]]\nkey = 2\nscene = "default"\n[[preset]]\nscene = "wreck"', "preset 2: key 2 belongs to"),
         ('[[preset]]\nscene = "default"\ncolour = 1', "colour is not a field"),
         ('[[preset]]\nscene = "default"\nset = { "track.altitude" = -1.0 }', "altitude"),
     ],

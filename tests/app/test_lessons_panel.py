@@ -2,11 +2,12 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.lessons.lesson import load_lessons, parse_lesson
+from insonify.lessons.lesson import Lesson, load_lessons, parse_lesson
 from insonify.lessons.states import LessonState, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
@@ -76,25 +77,25 @@ Answer: There.
 """
 
 
+def offer(monkeypatch, *lessons: Lesson):
+    """Let the panel offer these lessons alone."""
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+
+
 @pytest.fixture
 def lessons(monkeypatch):
-    lesson = parse_lesson(LESSON, "range")
-    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: (lesson,))
+    offer(monkeypatch, parse_lesson(LESSON, "range"))
 
 
-def opened(open_viewer, scene, qtbot) -> tuple[Any, Any]:
-    """A viewer whose panel of lessons is open, with its view."""
+def opened(open_viewer, scene, qtbot, *, started: bool = False) -> tuple[Any, Any]:
+    """A viewer whose panel of lessons is open, with its view; its first lesson may be started."""
     viewer = open_viewer(scene)
     viewer.window.open_panel("lessons")
     panel = viewer.panels["lessons"]
     qtbot.waitUntil(panel.view.isVisible)
-    return viewer, panel
-
-
-def started(open_viewer, scene, qtbot) -> tuple[Any, Any]:
-    viewer, panel = opened(open_viewer, scene, qtbot)
-    panel.view.list.start.click()
-    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
+    if started:
+        panel.view.list.start.click()
+        qtbot.waitUntil(lambda: viewer.complete)
     return viewer, panel
 
 
@@ -104,12 +105,11 @@ def lit_rows(viewer) -> set[str]:
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lesson_from_its_first_step_to_its_last_lights_its_fields(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
+def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(open_viewer, small, qtbot):
+    viewer, panel = opened(open_viewer, small, qtbot, started=True)
     page, session = panel.view.page, viewer.session
     assert (session.scene.title, session.scene.sonar.bins) == ("A pipe on the bed", 100)
-    assert page.lesson.text() == "Range"
-    assert page.step.text() == "1 of 3: See farther"
+    assert (page.lesson.text(), page.step.text()) == ("Range", "1 of 3: See farther")
     assert lit_rows(viewer) == {"sonar.range"}
     assert not viewer.panels["parameters"].view.row("sonar.range").label.visibleRegion().isEmpty()
     assert not page.next.property("lit")
@@ -154,21 +154,16 @@ def test_a_lesson_from_its_first_step_to_its_last_lights_its_fields(open_viewer,
     page.next.click()
     assert panel.progress is None
     assert panel.view.list.lessons.item(0).text().startswith("✓")
-
-
-@pytest.mark.usefixtures("lessons")
-def test_back_returns_to_the_step_as_it_began_and_another_scene_ends_the_lesson(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
-    page = panel.view.page
+    # Back returns to a step as it began, and another scene ends the lesson.
+    panel.start("range")
+    qtbot.waitUntil(lambda: viewer.complete)
     page.next.click()  # a step that is left out is done by the way
-    assert viewer.session.scene.sonar.range == 60.0
-    assert panel.progress.index == 1
+    assert (session.scene.sonar.range, panel.progress.index) == (60.0, 1)
     page.show_me.click()
-    assert viewer.session.modelling.tolerance == 0.2
+    assert session.modelling.tolerance == 0.2
     page.back.click()
     assert page.step.text().startswith("1 of 3")
-    assert viewer.session.scene.sonar.range == 50.0
-    assert viewer.session.modelling == Modelling()
+    assert (session.scene.sonar.range, session.modelling) == (50.0, Modelling())
     assert not page.next.property("lit")
     viewer.open(edit(small, {"seed": 3}))
     assert panel.progress is None
@@ -200,9 +195,8 @@ choices = [{ text = "Faster", right = true }, { text = "Slower", because = "Fewe
 
 @pytest.fixture
 def asking(monkeypatch):
-    other = parse_lesson(LESSON.replace("Range", "Another", 1), "another")
-    lessons = (parse_lesson(ASKING, "range"), other)
-    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+    another = parse_lesson(LESSON.replace("Range", "Another", 1), "another")
+    offer(monkeypatch, parse_lesson(ASKING, "range"), another)
 
 
 def shown(page) -> tuple[bool, bool]:
@@ -212,7 +206,7 @@ def shown(page) -> tuple[bool, bool]:
 
 @pytest.mark.usefixtures("asking")
 def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
+    viewer, panel = opened(open_viewer, small, qtbot, started=True)
     page = panel.view.page
     actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
     for order in (actions, actions[::-1]):
@@ -239,7 +233,7 @@ def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(
 
 @pytest.mark.usefixtures("asking")
 def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_path, monkeypatch):
-    _, panel = started(open_viewer, small, qtbot)
+    _, panel = opened(open_viewer, small, qtbot, started=True)
     page, summary = panel.view.page, panel.view.summary
     page.ask.unknown.click()
     page.show_me.click()
@@ -322,8 +316,7 @@ def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_bac
     open_viewer, small, qtbot, monkeypatch
 ):
     one_sided = LESSON.replace('{ scale = "true" }', '{ side = "port", water_column = false }')
-    lessons = parse_lesson(one_sided, "port"), parse_lesson(LESSON, "range")
-    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+    offer(monkeypatch, parse_lesson(one_sided, "port"), parse_lesson(LESSON, "range"))
     viewer, panel = opened(open_viewer, small, qtbot)
     keep_display(viewer)
     session, settings = viewer.session, viewer.window.settings
@@ -342,24 +335,25 @@ def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_bac
 
 @pytest.mark.usefixtures("lessons")
 def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
-    viewer, panel = started(open_viewer, small, qtbot)
+    viewer, panel = opened(open_viewer, small, qtbot, started=True)
     window, page = viewer.window, panel.view.page
-    before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
+
+    def sizes():
+        return np.array([part.font().pointSizeF() for part in (page.text, window.waterfall)])
+
+    before = sizes()
     window.lecture.action.trigger()
     assert window.isFullScreen()
     assert page.lecture.isChecked()
-    assert page.text.font().pointSizeF() >= 1.5 * before[0]
-    assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
-    strip = viewer.panels["parameters"].strip
-    assert list(strip.rows) == ["sonar.range"], "what the step speaks of"
+    assert (sizes() >= 1.5 * before).all()
+    assert list(viewer.panels["parameters"].strip.rows) == ["sonar.range"], "what the step speaks of"
     qtbot.waitUntil(lambda: panel.view.isVisible() and panel.view.width() > 0.9 * window.width())
     window.looks.show_theme(Theme.LIGHT)
-    assert page.text.font().pointSizeF() >= 1.5 * before[0]
-    assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    assert (sizes() >= 1.5 * before).all()
     window.looks.show_theme(Theme.DARK)
     page.lecture.click()
     assert not window.isFullScreen()
-    assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)
+    assert sizes() == pytest.approx(before)
 
 
 @pytest.mark.usefixtures("lessons")
@@ -370,7 +364,7 @@ def test_above_a_lesson_the_record_keeps_more_than_half_of_the_screen_of_a_lectu
     usual = qapp.font()
     enlarge_text(qapp, size)
     try:
-        viewer, _ = started(open_viewer, small, qtbot)
+        viewer, _ = opened(open_viewer, small, qtbot, started=True)
         window, record = viewer.window, viewer.window.waterfall
         window.lecture.action.trigger()
         qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
@@ -401,14 +395,15 @@ def test_every_field_of_a_lesson_is_in_the_window_and_every_move_is_noticed_as_i
 
 
 def forced_choices() -> list[Any]:
-    """Steps that force choices of the plan, with the lesson's name."""
-    steps = [(lesson.name, *states) for lesson in load_lessons() for states in states_of(lesson)]
-    return [pytest.param(*each, id=each[0]) for each in steps if any(path.startswith("plan.") for path in each[1].move)]
+    """Steps that force choices of the plan, with the scene in which they end."""
+    steps = [(lesson.name, step, end) for lesson in load_lessons() for step, _, end in states_of(lesson)]
+    return [
+        pytest.param(*rest, id=name) for name, *rest in steps if any(path.startswith("plan.") for path in rest[0].move)
+    ]
 
 
-@pytest.mark.parametrize(("name", "step", "start", "end"), forced_choices())
-def test_the_plan_offers_every_choice_that_a_lesson_forces(name, step, start, end):
-    del name, start
+@pytest.mark.parametrize(("step", "end"), forced_choices())
+def test_the_plan_offers_every_choice_that_a_lesson_forces(step, end):
     forced = {path.removeprefix("plan."): choice for path, choice in step.move.items()}
     made = plan(end.scene, forced=forced)
     for subject, choice in forced.items():

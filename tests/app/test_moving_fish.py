@@ -40,8 +40,7 @@ def test_a_fish_lies_as_its_pose_says(small):
     assert math.degrees(math.atan2(bow[1], bow[0])) == pytest.approx(20.0)
     assert port[2] == pytest.approx(math.sin(math.radians(30.0)) * math.cos(math.radians(10.0)))
     assert matrix[:3, 3].tolist() == [pose.x[0], pose.y[0], pose.z[0]]
-    level = pose_matrix(pose, 2.0, level=True)
-    assert level[2, :3].tolist() == [0.0, 0.0, 2.0]
+    assert pose_matrix(pose, 2.0, level=True)[2, :3].tolist() == [0.0, 0.0, 2.0]
 
 
 @pytest.mark.parametrize("side", [PORT, STARBOARD])
@@ -50,8 +49,6 @@ def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small, motions, sid
     simulation, ping = moved(small, *motions), 115
     pose = one(simulation, ping)
     slant, across, place = locate_mark(simulation, Mark(ping, side, 60))
-    assert place is not None
-    assert across is not None
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
     bow, port = pose_matrix(pose, 1.0)[:3, 0], pose_matrix(pose, 1.0)[:3, 1]
     # The bed of the stand-in is level but for a centimetre.
@@ -88,9 +85,7 @@ def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small):
 
 def test_the_path_begins_where_the_tow_does():
     pings = path_pings(100, 0.2, 50.0)
-    assert len(pings) == PATH_POINTS
-    assert pings[0] == 0
-    assert pings[-1] == 225
+    assert (len(pings), pings[0], pings[-1]) == (PATH_POINTS, 0, 225)
     assert path_pings(1000, 0.2, 50.0)[0] == 575
 
 
@@ -153,12 +148,27 @@ def test_the_camera_is_reset_and_kept_within_its_limits_whatever_moves_it(viewer
     assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
 
 
-def test_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
-    """What lies under the mouse stays there, and the camera stops before it."""
+def test_a_view_that_is_turned_draws_a_lighter_bed_and_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
+    """What lies under the mouse stays there while it zooms, and the camera stops before it."""
     view, seabed = viewer.seabed.view, viewer.seabed
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
     canvas, camera = view._canvas.widget, view._canvas.plotter.camera
+    bed = seabed._patch
+    whole = np.asarray(view._bed.points).reshape(MESH_NODES, MESH_NODES, 3)
+    thinned = np.asarray(view._thinned_bed.points)
+    assert thinned.reshape(129, 129, 3) == pytest.approx(whole[::2, ::2])
+    assert np.ptp(thinned[:, :2], axis=0) == pytest.approx(np.ptp(whole[..., :2], axis=(0, 1)))  # as far as the whole
+    middle = view.rect().center()
+    assert _drawn_beds(view) == (True, False)
+    QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=middle)
+    assert _drawn_beds(view) == (False, True)
+    view.show_bed(bed_patch(viewer._answer.simulation.ground, (5.0, 0.0), view._reach))
+    assert _drawn_beds(view) == (False, True), "another bed does not end the turn"
+    QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=middle)
+    assert _drawn_beds(view) == (True, False)
+    view.show_bed(bed)
+    # The wheel zooms about the mouse.
     canvas.setMaximumSize(320, 240)  # a small picture is drawn in less time
     qtbot.waitUntil(lambda: canvas.width() == 320)
     mouse = QPoint(100, 150)
@@ -179,24 +189,6 @@ def test_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
     assert camera.distance == pytest.approx(FARTHEST * view._reach, rel=0.01)
     turn_wheel(canvas, QPoint(100, 2), 1)  # over open water
     assert camera.distance == pytest.approx(FARTHEST * view._reach / CLOSER, rel=0.01)
-
-
-def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(viewer, qtbot):
-    view = viewer.seabed.view
-    if not has_opengl():
-        pytest.skip("no OpenGL for a widget")
-    whole = np.asarray(view._bed.points).reshape(MESH_NODES, MESH_NODES, 3)
-    thinned = np.asarray(view._thinned_bed.points)
-    assert thinned.reshape(129, 129, 3) == pytest.approx(whole[::2, ::2])
-    assert np.ptp(thinned[:, :2], axis=0) == pytest.approx(np.ptp(whole[..., :2], axis=(0, 1)))  # as far as the whole
-    canvas, middle = view._canvas.widget, view.rect().center()
-    assert _drawn_beds(view) == (True, False)
-    QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=middle)
-    assert _drawn_beds(view) == (False, True)
-    view.show_bed(bed_patch(viewer._answer.simulation.ground, (5.0, 0.0), view._reach))
-    assert _drawn_beds(view) == (False, True), "another bed does not end the turn"
-    QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=middle)
-    assert _drawn_beds(view) == (True, False)
 
 
 def _drawn_beds(view) -> tuple[bool, bool]:

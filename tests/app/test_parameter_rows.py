@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import drag
+from controls import drag, scenes_by_rows
 from PySide6.QtCore import QPoint, Qt
-from scenes_by_rows import scenes_by_rows
 
 from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
@@ -17,12 +16,7 @@ from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
 from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
 from insonify_viewer.state.fields import NumberField
-from insonify_viewer.state.quantities import (
-    format_duration,
-    format_quantity,
-    slider_position,
-    slider_value,
-)
+from insonify_viewer.state.quantities import format_duration, format_quantity, slider_position, slider_value
 from insonify_viewer.state.sections import FieldSection, sections_of
 from insonify_viewer.state.session import Session
 
@@ -71,16 +65,9 @@ def test_units_that_people_write_are_read(text, unit, like, value):
     assert parse_quantity(text, unit, like) == pytest.approx(value, rel=1e-5)
 
 
-def test_times_are_printed_in_three_digits():
-    assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
-        "12.3 µs",
-        "999 µs",
-        "1 ms",
-        "1.29 ms",
-    ]
-
-
-def test_nonsense_is_not_a_number():
+def test_times_are_printed_in_three_digits_and_nonsense_is_not_a_number():
+    times = {1.23e-5: "12.3 µs", 9.99e-4: "999 µs", 9.996e-4: "1 ms", 1.288e-3: "1.29 ms"}
+    assert {seconds: format_duration(seconds) for seconds in times} == times
     assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2", "3 kHz", "1e999")] == [None] * 7
 
 
@@ -90,8 +77,7 @@ def test_slider_places_and_values_agree(log):
     for part in np.linspace(0.0, 1.0, 17):
         value = slider_value(float(part), ends, log=log, integer=False)
         assert slider_position(value, ends, log=log) == pytest.approx(part, abs=2e-3)
-    assert slider_value(0.0, ends, log=log, integer=False) == 0.01
-    assert slider_value(1.0, ends, log=log, integer=False) == 10.0
+    assert tuple(slider_value(part, ends, log=log, integer=False) for part in (0.0, 1.0)) == ends
     assert slider_position(1e9, ends, log=log) == 1.0
 
 
@@ -155,24 +141,12 @@ def test_the_number_and_the_marks_follow_a_slider_that_is_held(viewer, small, qt
     assert row.field.text() == f"{moved:.4g} m"
 
 
-@pytest.fixture
-def peaked(small):
-    return edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
-
-
-def pictures_in(viewer, kind: type) -> list[Any]:
-    """Find the pictures of a kind in the parameters panel."""
-    return viewer.panels["parameters"].widget.findChildren(kind)
-
-
-def into_view(viewer, picture):
-    viewer.panels["parameters"].widget.ensureWidgetVisible(picture, 0, 0)
-
-
-def test_a_peak_is_dragged_in_one_step(open_viewer, peaked, qtbot):
+def test_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot):
+    peaked = edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
     viewer = open_viewer(peaked)
-    picture = pictures_in(viewer, SpectrumPicture)[0]
-    into_view(viewer, picture)
+    panel = viewer.panels["parameters"].widget
+    picture = panel.findChildren(SpectrumPicture)[0]
+    panel.ensureWidgetVisible(picture, 0, 0)
     away = picture.place_of((-20.0, -20.0)).toPoint()
     qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
     assert viewer.session.scene == peaked, "a press beside the peaks moves none"
@@ -198,8 +172,9 @@ def test_curves_follow_the_scene_and_take_no_room_where_there_are_none(open_view
 
     monkeypatch.setattr(registry, "beam_curve", watched)
     viewer = open_viewer(small)
-    picture = next(one for one in pictures_in(viewer, CurvesPicture) if watched in one._draws)
-    into_view(viewer, picture)
+    panel = viewer.panels["parameters"].widget
+    picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one._draws)
+    panel.ensureWidgetVisible(picture, 0, 0)
     qtbot.waitUntil(lambda: bool(picture.curves))
     assert picture.curves[0].note.startswith("−3 dB: 1°")
     assert viewer.session.settle({"sonar.beam.width": 4.0})
@@ -208,7 +183,7 @@ def test_curves_follow_the_scene_and_take_no_room_where_there_are_none(open_view
     # What has no curve takes no room.
     changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
     assert viewer.session.settle(changes)
-    assert not [one for one in pictures_in(viewer, CurvesPicture) if one.isVisible()]
+    assert not [one for one in panel.findChildren(CurvesPicture) if one.isVisible()]
 
 
 def shown(scene) -> dict:
@@ -234,21 +209,13 @@ def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
                 with_relief(chosen, **{path.replace(".", "__"): end})
 
 
-def test_what_all_relief_has_comes_last(scene):
-    names = list(shown(with_relief(scene, kind="ripples")))
-    assert names[:2] == ["kind", "wavelength"]
-    assert names[-3:] == ["period", "extent", "mask.kind"]
-
-
-def test_period_of_endless_ripples_is_not_asked_for(scene):
+def test_what_all_relief_has_comes_last_without_a_period_of_endless_ripples_and_a_mask_brings_its_sliders(scene):
     ripples = with_relief(scene, kind="ripples")
+    names = list(shown(ripples))
+    assert (names[:2], names[-3:]) == (["kind", "wavelength"], ["period", "extent", "mask.kind"])
     assert "period" not in shown(with_relief(ripples, extent="endless"))
     assert "period" in shown(with_relief(with_relief(scene, kind="power_law"), extent="endless"))
-
-
-def test_mask_brings_its_sliders(scene):
-    masked = with_relief(with_relief(scene, kind="ripples"), mask__kind="patches")
-    assert {"mask.share", "mask.size", "mask.softness"} <= set(shown(masked))
+    assert {"mask.share", "mask.size", "mask.softness"} <= set(shown(with_relief(ripples, mask__kind="patches")))
 
 
 def test_parts_of_a_sum_keep_one_period_and_their_headings(scene):

@@ -77,10 +77,11 @@ def test_pinned_rows_stand_on_top_and_rare_fields_are_folded(viewer, qtbot):
     assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
 
 
-def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(
-        edit(small, {"description": "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."})
-    )
+def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_it_was(
+    open_viewer, small, qtbot, monkeypatch
+):
+    links = "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."
+    viewer = open_viewer(edit(small, {"description": links}))
     view, session = panel(viewer).view, viewer.session
     seen = []
     session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
@@ -109,6 +110,23 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer, small, qtbot, m
     qtbot.wait(500)
     assert session.scene.track.altitude == 9.0
     assert session.history.undoable[0] == "open Another"
+    # An effect goes and comes back as it was.
+    start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
+    viewer.open(start)
+    tick(viewer, "beam")
+    assert session.scene.sonar.beam.kind == "knife"
+    assert session.history.undoable[0] == "beam switched off"
+    tick(viewer, "beam")
+    assert session.scene == start
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.kind == "rayleigh", "usual settings, for want of earlier ones"
+    session.settle({"receiver.speckle.looks": 4})
+    tick(viewer, "speckle")
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.looks == 4
+    viewer.open(edit(small, {"title": "Another", "seed": 9}))
+    tick(viewer, "speckle")
+    assert session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
@@ -122,25 +140,6 @@ def test_every_link_leads_there_and_back(name):
         assert row_of(trials.links(scene)[number].path, there) in there, "its row is lit"
         assert session.settle(trials.follow(session.scene, number)[1])
         assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
-
-
-def test_an_effect_goes_and_comes_back_as_it_was(open_viewer, small, qtbot):
-    start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
-    viewer = open_viewer(start)
-    tick(viewer, "beam")
-    assert viewer.session.scene.sonar.beam.kind == "knife"
-    assert viewer.session.history.undoable[0] == "beam switched off"
-    tick(viewer, "beam")
-    assert viewer.session.scene == start
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.kind == "rayleigh", "usual settings, for want of earlier ones"
-    viewer.session.settle({"receiver.speckle.looks": 4})
-    tick(viewer, "speckle")
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.looks == 4
-    viewer.open(edit(small, {"title": "Another", "seed": 9}))
-    tick(viewer, "speckle")
-    assert viewer.session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
 def test_bent_water_goes_straight_and_bends_again():
@@ -242,7 +241,7 @@ def test_figures_are_measured_once(viewer, qtbot):
     assert len(traced) == 2 * once
 
 
-def test_undo_says_what_it_undoes(viewer, small, qtbot):
+def test_undo_says_what_it_undoes_and_values_are_reset_by_their_names_and_sections(viewer, small, qtbot):
     undo, redo = viewer.window.undo, viewer.window.redo
     assert not undo.isEnabled()
     row = panel(viewer).view.row("sonar.beam.width")
@@ -251,24 +250,44 @@ def test_undo_says_what_it_undoes(viewer, small, qtbot):
         row.slider.setValue(place)
     row.slider.setSliderDown(False)
     viewer.session.settle({"targets.1.position.0": 61.0})
-    assert undo.text() == "Undo: sphere 2 position x"
-    assert undo.toolTip() == "Undo: sphere 2 position x (Ctrl+Z)"
-    assert [entry.text() for entry in viewer.window.history.lists[0].actions()] == [
-        "Undo: sphere 2 position x",
-        "Undo: beam width",
-    ]
-    viewer.window.history.lists[0].actions()[1].trigger()
+    last, entries = "Undo: sphere 2 position x", viewer.window.history.lists[0].actions()
+    assert (undo.text(), undo.toolTip()) == (last, f"{last} (Ctrl+Z)")
+    assert [entry.text() for entry in entries] == [last, "Undo: beam width"]
+    entries[1].trigger()
     assert viewer.session.scene == small
     assert (undo.isEnabled(), redo.text()) == (False, "Redo: beam width")
     redo.trigger()
     redo.trigger()
     assert viewer.session.scene.targets[1].position[0] == 61.0
-    tool = next(
-        each for each in viewer.window._bar.children() if getattr(each, "defaultAction", lambda: None)() is undo
-    )
-    assert tool.text() == "Undo", "the tool bar has no room for more"
+    tools = viewer.window._bar.findChildren(QToolButton)
+    assert next(tool for tool in tools if tool.defaultAction() is undo).text() == "Undo", "there is no room for more"
     assert undo in viewer.window.menus.edit.actions()
     assert not redo.isEnabled()
+    # A value is reset by its name, and a section with its kinds.
+    viewer.open(small)
+    view, session = panel(viewer).view, viewer.session
+    row = view.row("track.altitude")
+    assert not row.label.property("changed")
+    session.settle({"track.altitude": 6.0})
+    session.settle({"sonar.beam.width": 2.0})
+    assert row.label.property("changed")
+    assert "was 10 m" in row.label.toolTip()
+    assert not view.row("track.depth").label.property("changed"), "it follows the altitude"
+    QTest.mouseDClick(row.label, Qt.MouseButton.LeftButton)
+    assert (session.scene.track.altitude, session.scene.sonar.beam.width) == (10.0, 2.0)
+    assert session.history.undoable[0] == "altitude reset"
+    assert not row.label.property("changed")
+    session.undo(3)
+    assert not view._sections["sonar"]._reset.isVisible()
+    for changes in ({"sonar.beam": {"kind": "gaussian", "width": 4.0}}, {"sonar.range": 40.0}, {"track.altitude": 8.0}):
+        session.settle(changes)
+    qtbot.waitUntil(view._sections["sonar"]._reset.isVisible)
+    view.ensureWidgetVisible(view._sections["sonar"]._reset)
+    QTest.mouseClick(view._sections["sonar"]._reset, Qt.MouseButton.LeftButton)
+    assert session.scene.sonar == small.sonar
+    assert session.scene.track.altitude == 8.0
+    session.undo()
+    assert session.scene.sonar.beam.kind == "gaussian", "one step"
 
 
 def test_a_target_is_duplicated_and_locked_and_a_parameter_found_by_words(viewer, qtbot):
@@ -315,29 +334,23 @@ def test_a_target_is_duplicated_and_locked_and_a_parameter_found_by_words(viewer
     assert view._sections["sonar"].isVisible()
 
 
-@pytest.mark.parametrize(
-    ("path", "name"),
-    [
-        ("sonar.beam.width", "beam width"),
-        ("sonar.beam.kind", "beam"),
-        ("track.altitude", "altitude"),
-        ("seabed.depth", "bed depth"),
-        ("seabed.relief.peaks.0.1", "relief peak 1 waves in y"),
-        ("seabed.material.name", "material"),
-        ("targets.0.gap.3.1", "pipe 1 gap 4 height"),
-        ("targets.1.position.0", "sphere 2 position x"),
-        ("water.kind", "water"),
-        ("water.sound_speed", "sound speed"),
-        ("receiver.tvg.kind", "TVG"),
-        ("seed", "seed"),
-    ],
-)
-def test_fields_have_names(path, name):
-    assert name_field(load_scene("default"), path) == name
-
-
-def test_edits_have_names():
+def test_fields_and_edits_have_names():
     scene = load_scene("default")
+    names = {
+        "sonar.beam.width": "beam width",
+        "sonar.beam.kind": "beam",
+        "track.altitude": "altitude",
+        "seabed.depth": "bed depth",
+        "seabed.relief.peaks.0.1": "relief peak 1 waves in y",
+        "seabed.material.name": "material",
+        "targets.0.gap.3.1": "pipe 1 gap 4 height",
+        "targets.1.position.0": "sphere 2 position x",
+        "water.kind": "water",
+        "water.sound_speed": "sound speed",
+        "receiver.tvg.kind": "TVG",
+        "seed": "seed",
+    }
+    assert {path: name_field(scene, path) for path in names} == names
     assert name_edit(scene, {"sonar.beam.width": 2.0}) == "beam width"
     assert name_edit(scene, {"targets.0.position.0": 1.0, "targets.0.position.1": 1.0}) == "pipe 1 position"
     session = Session(scene)
@@ -350,34 +363,6 @@ def test_edits_have_names():
     session.undo(2)
     assert session.opened == scene
     assert session.history.redoable == ("tolerance", "open A wreck with a standing mast")
-
-
-def test_a_value_is_reset_by_its_name_and_a_section_with_its_kinds(viewer, small, qtbot):
-    view, session = panel(viewer).view, viewer.session
-    row = view.row("track.altitude")
-    assert not row.label.property("changed")
-    session.settle({"track.altitude": 6.0})
-    session.settle({"sonar.beam.width": 2.0})
-    assert row.label.property("changed")
-    assert "was 10 m" in row.label.toolTip()
-    assert not view.row("track.depth").label.property("changed"), "it follows the altitude"
-    QTest.mouseDClick(row.label, Qt.MouseButton.LeftButton)
-    assert session.scene.track.altitude == 10.0
-    assert session.scene.sonar.beam.width == 2.0
-    assert session.history.undoable[0] == "altitude reset"
-    assert not row.label.property("changed")
-    session.undo(3)
-    assert not view._sections["sonar"]._reset.isVisible()
-    session.settle({"sonar.beam": {"kind": "gaussian", "width": 4.0}})
-    session.settle({"sonar.range": 40.0})
-    session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(view._sections["sonar"]._reset.isVisible)
-    view.ensureWidgetVisible(view._sections["sonar"]._reset)
-    QTest.mouseClick(view._sections["sonar"]._reset, Qt.MouseButton.LeftButton)
-    assert session.scene.sonar == small.sonar
-    assert session.scene.track.altitude == 8.0
-    session.undo()
-    assert session.scene.sonar.beam.kind == "gaussian", "one step"
 
 
 def test_nothing_is_shown_as_a_window_of_its_own(open_viewer, small, qapp):

@@ -5,7 +5,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from controls import drag, picture_of, turn_wheel
+from controls import colours_of, drag, picture_of, turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
@@ -111,14 +111,9 @@ def test_a_ground_range_is_that_of_a_level_bed(record):
         assert first + u * (last - first) == pytest.approx(np.sqrt(slant**2 - altitude**2))
 
 
-def test_true_scale_shows_the_newest_part_of_a_long_track():
-    zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=True)
-    assert zoom == Zoom(lower=pytest.approx(0.2))
-    zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=False)
-    assert zoom == Zoom(upper=pytest.approx(0.8))
-
-
-def test_a_zoom_keeps_its_place_and_stays_within_the_picture():
+def test_a_zoom_keeps_its_place_within_the_picture_and_one_to_true_scale_shows_the_newest_part_of_a_long_track():
+    for newest_on_top, shown in ((True, Zoom(lower=pytest.approx(0.2))), (False, Zoom(upper=pytest.approx(0.8)))):
+        assert zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=newest_on_top) == shown
     zoom = Zoom().about(0.25, 0.75, 4.0)
     assert zoom.left + 0.25 * (zoom.right - zoom.left) == pytest.approx(0.25)
     assert zoom.upper + 0.75 * (zoom.lower - zoom.upper) == pytest.approx(0.75)
@@ -135,12 +130,9 @@ def test_colours_linear_in_decibels_and_reversed():
     np.testing.assert_allclose(tones, [0.0, 0.5, 1.0], atol=1e-6)
     brighter = make_tone_map(DisplayOptions(decibels=True, levels=(0.01, 1.0), gain=20.0), (0.0, 9.0))
     np.testing.assert_allclose(brighter.tones(amplitude), [0.5, 1.0, 1.0], atol=1e-6)
-    plain, turned = (
-        make_tone_map(DisplayOptions(palette="grey", reverse=reverse, levels=(0.0, 1.0)), (0.0, 9.0)).colours(
-            np.array([0.0, 100.0], np.float32)
-        )
-        for reverse in (False, True)
-    )
+    looks = (DisplayOptions(palette="grey", reverse=reverse, levels=(0.0, 1.0)) for reverse in (False, True))
+    ends = np.array([0.0, 100.0], np.float32)
+    plain, turned = (make_tone_map(look, (0.0, 9.0)).colours(ends) for look in looks)
     assert (plain == turned[::-1]).all()
     assert colour_table(np.zeros((256, 3), np.uint8))[0] == 0xFF000000
 
@@ -201,7 +193,9 @@ def check_places(viewer, options, pinned, marked, qtbot):
     assert (newest.y() < older.y()) == options.get("newest_on_top", True)
 
 
-def test_the_wheel_zooms_and_a_drag_moves_the_record_and_looks_back(viewer):
+def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_options_also_saved(
+    viewer, qtbot, tmp_path, monkeypatch
+):
     view = viewer.window.waterfall
     place = view.place_of(Mark(200, 1, 300))
     before = view.mark_at(place)
@@ -223,10 +217,9 @@ def test_the_wheel_zooms_and_a_drag_moves_the_record_and_looks_back(viewer):
     assert view.top == pytest.approx(top - pings, abs=2)
     drag(view, middle, middle + QPoint(0, 50))
     assert view.top == pytest.approx(top - pings / 2, abs=3)
-
-
-def test_the_picture_follows_the_options_upside_down_and_saved_as_well(viewer, tmp_path, monkeypatch):
-    view = viewer.window.waterfall
+    # The picture follows the options.
+    viewer.go_to(255)
+    qtbot.waitUntil(lambda: viewer.complete)
     upright = picture_of(view).copy()
     viewer.session.show(side="port")
     port = picture_of(view)
@@ -250,8 +243,7 @@ def test_the_picture_follows_the_options_upside_down_and_saved_as_well(viewer, t
     upright = view.grab(area).toImage()
     viewer.session.show(newest_on_top=False)
     turned = view.grab(area).toImage().flipped(Qt.Orientation.Vertical)
-    pictures = [each.convertToFormat(each.Format.Format_RGB32) for each in (upright, turned)]  # which own their bytes
-    a, b = (np.frombuffer(each.constBits(), np.uint8).astype(int) for each in pictures)
+    a, b = (colours_of(each).view(np.uint8).astype(int) for each in (upright, turned))
     assert np.abs(a - b).mean() < 2.0
     # Options reach a recording and its saved picture.
     viewer.session.show(newest_on_top=True, scale="fit", side_gains=(0.0, 0.0))
@@ -303,11 +295,12 @@ def test_the_target_of_a_scene_is_not_saturated():
 
 
 def test_ticks_are_round_and_few():
-    assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
+    steps = {
+        (0.0, 50.0, 3): [0.0, 20.0, 40.0], (0.0, 1.0, 1): [0.0, 1.0], (0.0, 40.0, 5): [0.0, 10.0, 20.0, 30.0, 40.0],
+        (1498.4, 1521.0, 3): [1500.0, 1510.0, 1520.0],
+    }  # fmt: skip
+    assert {given: round_steps(*given) for given in steps} == steps
     assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
-    assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
-    assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
-    assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
     assert len(round_steps(0.0, 450.0, 8)) <= 9
     for ends in ((1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (-math.inf, 0.0)):
         assert round_steps(*ends, 3) == [], "there are none of no range"
@@ -328,9 +321,7 @@ def test_energies_are_averaged_over_what_the_beam_takes_in():
             pings = max(reach[5 - column if column < 6 else column - 6], 1.0)
             expected = np.sqrt(box(columns[:, column].astype(float) ** 2, ping, pings))
             assert found[ping, column] == pytest.approx(expected, rel=1e-3), (ping, column)
-
-
-def test_silence_stays_silent_and_loudness_what_it_is():
+    # Silence stays silent, and loudness what it is.
     columns = np.zeros((200, 4), np.float32)
     columns[:100] = 7.0
     found = blur_along_track(columns, np.full(4, 10.3))
@@ -352,9 +343,8 @@ def test_a_drag_looks_like_what_it_leads_to(width):
     fine = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     wanted, plane = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in (fine, coarse.amplitude))
     assert coarse.reach is not None
-    assert apart(blur_along_track(plane, np.concatenate([coarse.reach[::-1], coarse.reach])), wanted) < 0.5 * apart(
-        plane, wanted
-    )
+    blurred = blur_along_track(plane, np.concatenate([coarse.reach[::-1], coarse.reach]))
+    assert apart(blurred, wanted) < 0.5 * apart(plane, wanted)
 
 
 def apart(record: np.ndarray, wanted: np.ndarray) -> float:

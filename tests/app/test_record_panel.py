@@ -37,7 +37,7 @@ def panel(viewer):
     return viewer.panels["record"]
 
 
-def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qtbot):
+def test_options_follow_ticks_and_keys_and_levels_behind_a_tab_are_not_counted(viewer, panel, qtbot, monkeypatch):
     for name, _, key, _ in TICKS:
         viewer.window.open_panel("record")
         before = getattr(viewer.session.display, name)
@@ -56,6 +56,15 @@ def test_options_sides_scale_and_palette_follow_ticks_and_keys(viewer, panel, qt
     combo = panel.view.choices["palette"].combo
     choose(combo, 2)
     assert viewer.window.palettes.currentText() == viewer.session.display.palette == combo.currentText()
+    # Levels behind a tab are not counted.
+    asked, find = [], panel._find_levels
+    monkeypatch.setattr(panel, "_find_levels", lambda: asked.append(True) or find())
+    viewer.session.settle({"track.altitude": 8.0})
+    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.wait(50)
+    assert not asked
+    viewer.window.open_panel("record")
+    qtbot.waitUntil(lambda: bool(asked))
 
 
 def test_display_options_are_undone_by_name(viewer, panel):
@@ -217,24 +226,6 @@ def test_contacts_are_marked_named_found_again_classed_measured_and_sorted(viewe
     assert panel.contacts.unsaved, "a report is no list that can be opened"
 
 
-def test_contacts_are_saved_and_opened(viewer, panel, tmp_path, qtbot, monkeypatch):
-    mark_two(viewer, panel, qtbot)
-    path, listed = tmp_path / "found.geojson", panel.view.contacts
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
-    listed.save.click()
-    assert not panel.contacts.unsaved
-    assert len(read_contacts(path)) == 2
-    listed.remove.click()
-    assert panel.contacts.unsaved
-    listed.open.click()
-    assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
-    path.write_text("nonsense", encoding="utf-8")
-    listed.open.click()
-    assert "is not a file of contacts" in viewer.window.status.sentence.text()
-    assert len(panel.contacts) == 2
-
-
 def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     made = []
     items = contact_list._items
@@ -252,7 +243,9 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     assert texts == ["a", "x", "c"]
 
 
-def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot):
+def test_contacts_are_undone_by_name_in_turn_with_the_scene_saved_and_opened(
+    viewer, panel, qtbot, tmp_path, monkeypatch
+):
     listed, window = panel.view.contacts, viewer.window
     mark_two(viewer, panel, qtbot)
     viewer.session.settle({"track.altitude": 8.0})
@@ -281,6 +274,23 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene(viewer, panel, qtbot
     assert listed.list.rowCount() == 0
     viewer.session.redo(5)
     assert [each.name for each in panel.contacts.all] == ["contact 2"]
+    # They are saved and opened.
+    viewer.session.undo(9)
+    mark_two(viewer, panel, qtbot)
+    path = tmp_path / "found.geojson"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    listed.save.click()
+    assert not panel.contacts.unsaved
+    assert len(read_contacts(path)) == 2
+    listed.remove.click()
+    assert panel.contacts.unsaved
+    listed.open.click()
+    assert [each.name for each in panel.contacts.all] == ["contact 1", "contact 2"]
+    path.write_text("nonsense", encoding="utf-8")
+    listed.open.click()
+    assert "is not a file of contacts" in window.status.sentence.text()
+    assert len(panel.contacts) == 2
 
 
 def answer_questions(monkeypatch, *answers: QMessageBox.StandardButton) -> list[str]:
@@ -309,19 +319,6 @@ def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtb
     assert len(read_contacts(tmp_path / "found.geojson")) == 2
 
 
-def test_levels_behind_a_tab_are_not_counted(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(small)
-    record, asked = viewer.panels["record"], []
-    find = record._find_levels
-    monkeypatch.setattr(record, "_find_levels", lambda: asked.append(True) or find())
-    viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
-    qtbot.wait(50)
-    assert not asked
-    viewer.window.open_panel("record")
-    qtbot.waitUntil(lambda: bool(asked))
-
-
 ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000
 PING = 100
 
@@ -344,6 +341,13 @@ def shadow_of(simulation: Simulation, across: float) -> tuple[Mark, Mark]:
     return Mark(PING, 0, first - 1), Mark(PING, 0, last)
 
 
+def tangent_ranges(across: float, radius: float) -> tuple[float, float]:
+    """Slant ranges at which the two tangents from the sonar to a circle on the bed meet the bed."""
+    down = math.atan2(ALTITUDE - radius, across)
+    half = math.asin(radius / math.hypot(across, ALTITUDE - radius))
+    return ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
+
+
 @pytest.mark.parametrize("across", [15.0, 20.0, 28.0])
 @pytest.mark.parametrize("radius", [0.25, 0.5, 1.0])
 @pytest.mark.parametrize("kind", ["pipe", "sphere"])
@@ -358,12 +362,8 @@ def test_heights_from_shadows_are_those_of_the_targets(kind, radius, across):
     ends = [locate_simulated(simulation, mark) for mark in shadow_of(simulation, across)]
     measured = measure(*ends)
     found, of_round = measured.height, measured.round_height
-    assert found is not None
-    assert of_round is not None
-    away = math.hypot(across, ALTITUDE - radius)
-    down, half = math.atan2(ALTITUDE - radius, across), math.asin(radius / away)
-    begins = max(math.sqrt(away**2 - radius**2), ALTITUDE / math.sin(down + half))
-    ends_at = ALTITUDE / math.sin(down - half)
+    begins, ends_at = tangent_ranges(across, radius)
+    begins = max(math.sqrt(across**2 + ALTITUDE**2 - 2.0 * ALTITUDE * radius), begins)  # length of a tangent
     width = 2.0 * ALTITUDE * (RANGE / BINS) / begins  # height of two bins
     assert found == pytest.approx(ALTITUDE * (ends_at - begins) / ends_at, abs=width)
     error = found / (2.0 * radius) - 1.0
@@ -375,18 +375,12 @@ def test_heights_from_shadows_are_those_of_the_targets(kind, radius, across):
 
 def test_the_height_of_a_round_body_follows_from_tangents_to_a_circle():
     """A circle of 0.7 m radius on the bed, 18 m away: its two tangents from the sonar meet the bed at both ends."""
-    away, radius = 18.0, 0.7
-    reach, down = math.hypot(away, ALTITUDE - radius), math.atan2(ALTITUDE - radius, away)
-    half = math.asin(radius / reach)
-    begins, ends = ALTITUDE / math.sin(down + half), ALTITUDE / math.sin(down - half)
-    assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * radius, rel=1e-12)
+    begins, ends = tangent_ranges(18.0, 0.7)
+    assert round_shadow_height(ALTITUDE, begins, ends - begins) == pytest.approx(2.0 * 0.7, rel=1e-12)
     assert round_shadow_height(ALTITUDE, begins, 0.0) == 0.0
-
-
-def test_a_shadow_without_length_has_no_height_and_a_long_one_nears_the_altitude():
+    # A shadow without length has no height, and a long one nears the altitude.
+    assert [shadow_height(10.0, *each) for each in ((20.0, 5.0), (1.0, 1e9))] == pytest.approx([2.0, 10.0])
     assert shadow_height(10.0, 20.0, 0.0) == 0.0
-    assert shadow_height(10.0, 20.0, 5.0) == pytest.approx(2.0)
-    assert shadow_height(10.0, 1.0, 1e9) == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize("heading", [0.0, 37.0, 180.0])
@@ -403,9 +397,7 @@ def test_distances_are_those_on_the_bed(heading):
     assert (found.slant, found.pings) == (pytest.approx(slants[0] - slants[1]), 60)
     assert found.height is None, "no shadow reaches over both sides"
     assert found.words.startswith(f"{found.straight:.2f} m on the bed")
-
-
-def test_in_the_water_column_slant_range_alone_is_known():
+    # In the water column slant range alone is known.
     first = Location(Mark(3, 0, 10), 0.5, None, None, 10.0, 0.0)
     last = Location(Mark(5, 0, 100), 5.0, None, None, 10.0, 0.0)
     assert measure(first, last).words == "slant range 4.50 m, 2 pings"

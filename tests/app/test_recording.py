@@ -47,11 +47,10 @@ def viewer(open_viewer, small):
         yield opened[0]
 
 
-def open_recording(viewer, path, qtbot) -> Recording:
+def open_recording(viewer, path, qtbot):
     viewer.recordings.open(str(path))
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-    recording: Recording = viewer.recordings.recording
-    return recording
+    return viewer.recordings.recording
 
 
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(
@@ -88,24 +87,6 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
-def test_a_recording_is_shown_beside_the_simulated_record(viewer, folder, qtbot):
-    view = viewer.window.record_a
-    assert not view.isVisible()
-    recording = open_recording(viewer, folder / "record.xtf", qtbot)
-    assert view.isVisible()
-    assert viewer.window.waterfall.isVisible()
-    assert picture_of(view).shape[0] == recording.pings == PINGS
-    np.testing.assert_allclose(view.extent(), (PINGS * STEP, 2.0 * RANGE), rtol=2e-3)
-    assert len(np.unique(picture_of(view))) > 50
-    assert viewer.panels["comparison"].view.title.text().splitlines() == [
-        "record.xtf",
-        "400 pings of 2 × 300 bins  ·  60 m  ·  400 kHz",
-    ]
-    viewer.recordings.close()
-    assert not view.isVisible()
-    assert viewer.complete
-
-
 def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navigation(
     viewer, folder, qtbot, monkeypatch
 ):
@@ -126,13 +107,16 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navig
     told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows.items()}
     ping = int(told["ping"].split()[0])
     assert abs(ping - mark.ping) <= 2
-    assert told["ping"] == f"{ping} of {PINGS}"
+    altitude = recording.dataset["platform_altitude"].values[ping]
+    known = {
+        "ping": f"{ping} of {PINGS}",
+        "position": f"x {ping * STEP:.1f} m, y 0.0 m",
+        "altitude": f"{altitude:.2f} m",
+    }
+    known |= {"heading": "90.0°", "time": f"{ping / 10.0:.2f} s"}  # along +x is east
+    assert known.items() <= told.items()
     assert told["slant range"].endswith(" m, starboard")
-    assert told["position"] == f"x {ping * STEP:.1f} m, y 0.0 m"
-    assert told["heading"] == "90.0°", "along +x is east"
-    assert told["altitude"] == f"{recording.dataset['platform_altitude'].values[ping]:.2f} m"
     assert float(told["slant range"].split()[0]) == pytest.approx(200.5 * RANGE / BINS, abs=3 * RANGE / BINS)
-    assert told["time"] == f"{ping / 10.0:.2f} s"
     assert told["level"].endswith("dB re median")
     line = viewer.panels["readout"].widget.text()
     assert line.startswith(f"recorded ping {ping}  ·  slant {told['slant range']}")
@@ -174,11 +158,6 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, fol
     viewer.recordings.go_to(57)
     bring_to_front(viewer.window, "comparison")
     assert shown.rows["ping"] == (f"57 of {PINGS}",)
-
-
-@pytest.mark.parametrize(("own", "compass"), [(0.0, 90.0), (90.0, 0.0), (-45.0, 135.0), (180.0, 270.0), (113.3, 336.7)])
-def test_headings_are_those_of_the_compass(own, compass):
-    assert compass_heading(own) == pytest.approx(compass)
 
 
 def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
@@ -232,9 +211,24 @@ def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_n
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
-def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, qtbot):
-    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+def test_a_recording_is_shown_beside_the_simulated_record_and_wiped_covers_its_left_at_the_same_scale(
+    viewer, folder, qtbot
+):
     panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
+    beside = viewer.window.record_a
+    assert not beside.isVisible()
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.recordings.close()
+    assert not beside.isVisible()
+    assert viewer.complete
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    assert beside.isVisible()
+    assert view.isVisible()
+    assert picture_of(beside).shape[0] == recording.pings == PINGS
+    np.testing.assert_allclose(beside.extent(), (PINGS * STEP, 2.0 * RANGE), rtol=2e-3)
+    assert len(np.unique(picture_of(beside))) > 50
+    assert panel.title.text() == "record.xtf\n400 pings of 2 × 300 bins  ·  60 m  ·  400 kHz"
+    # Wiped it covers the left at the same scale.
     alone = view.grab().toImage()
     choose(panel.arrangement, list(Arrangement).index(Arrangement.WIPED))
     qtbot.waitUntil(lambda: view.width() > alone.width())
@@ -273,9 +267,11 @@ def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer, folder, q
     assert viewer.comparison.a is None
 
 
-def test_a_long_recording_is_held_in_part(folder):
+def test_a_long_recording_is_held_in_part_and_headings_are_those_of_the_compass(folder):
     recording = Recording(folder, read_record(folder / "record.nc"), np.zeros((5000, 2, 8), np.float32), np.zeros(5000))
     assert recording.held == MAX_PINGS
+    compass = {0.0: 90.0, 90.0: 0.0, -45.0: 135.0, 180.0: 270.0, 113.3: 336.7}
+    assert {own: compass_heading(own) for own in compass} == pytest.approx(compass)
 
 
 @pytest.mark.skipif(not REAL.exists(), reason="needs the recording of a real sonar")
@@ -283,11 +279,9 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer, qtbot)
     recording = open_recording(viewer, REAL, qtbot)
     assert (recording.pings, recording.bins) == (461, 1024)
     told = describe_point(recording, Mark(460, 0, 1023))
-    assert told["position"] == "48.44586° N, 68.82834° W"
-    assert told["heading"] == "336.7°"
-    assert told["altitude"] == "2.68 m"
+    navigation = {"position": "48.44586° N, 68.82834° W", "heading": "336.7°", "altitude": "2.68 m"}
+    assert (navigation | {"slant range": "29.97 m, port"}).items() <= told.items()
     assert told["time"].startswith("2013-09-10 21:14:00")
-    assert told["slant range"] == "29.97 m, port"
     rows = viewer.panels["comparison"].view.statistics.rows
     assert rows["shadows"][0] == "24.5 dB deep"
     assert len(np.unique(picture_of(viewer.window.record_a))) > 100

@@ -94,10 +94,8 @@ def test_a_record_is_written_as_the_command_writes_it(open_viewer, small, qtbot,
     for suffix in (".xtf", ".png"):
         check_written(viewer, tmp_path / f"record{suffix}", qtbot, name)
     # A name without a suffix takes that of the format.
-    name(
-        tmp_path / "record",
-        next(f"{each.description} (*.npz)" for each in RECORDS.formats() if ".npz" in each.suffixes),
-    )
+    npz = next(each for each in RECORDS.formats() if ".npz" in each.suffixes)
+    name(tmp_path / "record", f"{npz.description} (*.npz)")
     check_written(viewer, tmp_path / "record.npz", qtbot)
     before = (tmp_path / "record.npz").stat().st_mtime_ns
     asked = answer(Buttons.No)
@@ -128,23 +126,7 @@ def check_written(viewer, path, qtbot, name=None):
         np.testing.assert_array_equal(record.intensity, simulate(scene).intensity)
 
 
-def test_closing_asks_about_changes(viewer, small, tmp_path, name, answer):
-    viewer.session.settle({"track.altitude": 7.0})
-    asked = answer(Buttons.Cancel)
-    assert not viewer.window.close()
-    assert viewer.window.isVisible()
-    assert len(asked) == 1
-    assert small.title in asked[0]
-    answer(Buttons.Save)
-    name("")  # the dialog is left
-    assert not viewer.window.close()
-    name(tmp_path / "kept.toml")
-    assert viewer.window.close()
-    assert load_scene(tmp_path / "kept.toml").track.altitude == 7.0
-    assert len(asked) == 3
-
-
-def test_another_scene_asks_about_changes(viewer, qtbot, answer):
+def test_another_scene_and_closing_ask_about_changes(viewer, small, qtbot, tmp_path, name, answer):
     menu = viewer.window.scenes
     menu.fill()
     other = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
@@ -161,6 +143,19 @@ def test_another_scene_asks_about_changes(viewer, qtbot, answer):
     viewer.session.undo()
     assert viewer.window.isWindowModified(), "the changes are there again"
     qtbot.waitUntil(lambda: viewer.complete)
+    # So does closing.
+    answer(Buttons.Cancel)
+    assert not viewer.window.close()
+    assert viewer.window.isVisible()
+    assert len(asked) == 3
+    assert small.title in asked[2]
+    answer(Buttons.Save)
+    name("")  # the dialog is left
+    assert not viewer.window.close()
+    name(tmp_path / "kept.toml")
+    assert viewer.window.close()
+    assert load_scene(tmp_path / "kept.toml").track.altitude == 7.0
+    assert len(asked) == 5
 
 
 def test_a_scene_that_is_in_no_file_is_unsaved(small):

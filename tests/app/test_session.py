@@ -39,33 +39,19 @@ def heard(session: Session) -> list[str]:
     return sentences
 
 
-def test_every_wanted_parameter_has_a_slider(default):
+def test_every_wanted_parameter_has_a_slider_and_an_open_one_shows_the_value_that_applies(default):
     found = parameters(edit(default, {"seabed.relief.peaks": [[8.0, 4.0], [3.0, -2.0]]}))
-    for path in (
-        "sonar.beam.width",
-        "sonar.range",
-        "seabed.relief.beta",
-        "seabed.relief.peaks.0.0",
-        "seabed.relief.peaks.1.1",
-        "seabed.material.diffuse",
-        "seabed.material.specular",
-        "seabed.material.shininess",
-        "track.altitude",
-        "targets.0.gap.2.1",
-        "targets.1.position.1",
-    ):
-        assert isinstance(found[path], NumberField), path
-        assert found[path].slider is not None, path
-
-
-def test_open_fields_show_the_value_that_applies(default):
+    sliders = {path for path, field in found.items() if isinstance(field, NumberField) and field.slider is not None}
+    assert sliders >= {
+        "sonar.beam.width", "sonar.range", "seabed.relief.beta", "seabed.relief.peaks.0.0", "seabed.relief.peaks.1.1",
+        "seabed.material.diffuse", "seabed.material.specular", "seabed.material.shininess", "track.altitude",
+        "targets.0.gap.2.1", "targets.1.position.1",
+    }  # fmt: skip
+    # Open fields show the value that applies.
     bare = edit(default, {"seabed.relief.beta": None, "track.altitude": None, "seabed.material": "rock"})
-    found = parameters(bare)
-    assert found["seabed.relief.beta"].value == 1.4
-    assert found["track.altitude"].value == 10.0
-    assert found["track.depth"].value == 20.0
-    assert found["water.reference_speed"].value == 1500.0
-    assert found["seabed.material.diffuse"].value == 0.5587
+    shown = {"seabed.relief.beta": 1.4, "track.altitude": 10.0, "track.depth": 20.0, "water.reference_speed": 1500.0}
+    shown |= {"seabed.material.diffuse": 0.5587}
+    assert {path: field.value for path, field in parameters(bare).items() if path in shown} == shown
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
@@ -96,14 +82,8 @@ def test_a_sum_of_motions_has_every_swing(session):
     found = parameters(session.scene)
     assert found["track.motion.of.0.amplitude"].label == "heave amplitude"
     assert found["track.motion.of.0.amplitude"].value == 0.7
-    assert {found[f"track.motion.of.{k}.period"].label.split()[0] for k in range(6)} == {
-        "surge",
-        "sway",
-        "heave",
-        "yaw",
-        "pitch",
-        "roll",
-    }
+    swings = {found[f"track.motion.of.{k}.period"].label.split()[0] for k in range(6)}
+    assert swings == {"surge", "sway", "heave", "yaw", "pitch", "roll"}
     session.settle({"track.motion.kind": "straight"})
     assert session.scene.track.motion.kind == "straight"
 
@@ -120,7 +100,11 @@ def test_altitude_and_depth_take_turns_and_terrain_following_needs_an_altitude(s
     assert not session.scene.track.terrain_following
 
 
-def test_material_map_and_back(session):
+def test_a_material_becomes_a_map_and_back_and_its_shares_what_arrives(session):
+    sentences = heard(session)
+    assert session.settle({"targets.0.material.diffuse": 0.8})
+    assert session.scene.targets[0].material.specular == 0.2
+    assert "specular share lowered to 0.2" in sentences[-1]
     session.settle({"seabed.material.name": "cobble"})
     session.settle({"seabed.material.kind": "patches"})
     assert [m.name for m in session.scene.seabed.material.of] == ["cobble", "rock"]
@@ -145,13 +129,6 @@ def test_dunes_pass_for_the_pattern_there_was(default):
     assert plain.settle({"seabed.relief.kind": "mimic"})
     assert plain.scene.seabed.relief.altitude == default.altitude
     assert plain.scene.seabed.relief.law == default.sonar.law
-
-
-def test_diffuse_and_specular_share_what_arrives(session):
-    sentences = heard(session)
-    assert session.settle({"targets.0.material.diffuse": 0.8})
-    assert session.scene.targets[0].material.specular == 0.2
-    assert "specular share lowered to 0.2" in sentences[-1]
 
 
 def test_light_leaves_the_water_out_and_the_gain_makes_its_absorption_good(default):
@@ -206,21 +183,18 @@ def test_contacts_and_a_look_outlast_a_refused_scene(session, default):
     assert (session.scene, session.display.gain, session.history.undoable[0]) == (default, 3.0, "gain")
 
 
-def test_contacts_do_not_end_a_drag(session, default):
+def test_contacts_do_not_end_a_drag_and_the_history_has_an_end(session, default):
     contacts = ContactList(session)
+    fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
     session.drag({"track.altitude": 7.0})
-    contacts.add(Contact("fish", "", default.title, 3, "port", 7, 2.0))
+    contacts.add(fish)
     assert session.scene.track.altitude == 7.0
     session.settle()
     assert session.history.undoable == ("altitude", "fish marked")
     session.undo()
     assert (session.scene, len(contacts)) == (default, 1)
-
-
-def test_the_history_has_an_end(session, default):
-    contacts = ContactList(session)
-    for number in range(UNDO_DEPTH + 20):
-        contacts.add(Contact(str(number + 1), "", default.title, 3, "port", 7, 2.0))
+    for number in range(UNDO_DEPTH + 19):
+        contacts.add(replace(fish, name=str(number + 1)))
     session.undo(10 * UNDO_DEPTH)
     assert len(contacts) == 20
 
@@ -250,12 +224,16 @@ def test_a_look_and_back_and_an_edit_that_changes_nothing_are_no_steps(session, 
     assert session.history.undoable == ("altitude", "gain", "altitude")
 
 
-def test_refusal_is_one_sentence(session, default):
-    refused = []
+def test_refusal_is_one_sentence_and_a_mark_is_announced_once(session, default):
+    refused, marks = [], []
     session.refused.connect(refused.append)
     assert not session.settle({"seabed.depth": 5.0})
     assert "above the surface" in str(refused[-1])
     assert session.scene == default
+    session.marked.connect(marks.append)
+    for mark in (Mark(1, 0, 2), Mark(1, 0, 2), None):
+        session.point_at(mark)
+    assert marks == [Mark(1, 0, 2), None]
 
 
 def test_record_keeps_rows_newer_pings_above_and_knows_what_is_missing():
@@ -263,9 +241,7 @@ def test_record_keeps_rows_newer_pings_above_and_knows_what_is_missing():
     pings = np.array([9, 8, 7])
     amplitude = np.arange(18, dtype=np.float32).reshape(3, 2, 3)
     record.put(pings, amplitude, stamp=4)
-    assert record.amplitude_at(8, 0, 2) == 8.0
-    assert record.amplitude_at(8, 1, 2) == 11.0
-    assert record.amplitude_at(0, 0, 0) is None
+    assert [record.amplitude_at(*place) for place in ((8, 0, 2), (8, 1, 2), (0, 0, 0))] == [8.0, 11.0, None]
     assert list(record.amplitude[record.rows(np.array([9]))][0]) == [2, 1, 0, 3, 4, 5]
     assert list(record.missing(9, 4)) == [6, 5, 4, 3, 2]
     assert list(record.missing(9, 5)) == [9, 8, 7, 6, 5, 4, 3, 2]
@@ -300,14 +276,6 @@ def test_tow_counts_pauses_and_looks_back():
     assert tow.top == 531
 
 
-def test_mark_is_announced_once(session):
-    marks = []
-    session.marked.connect(marks.append)
-    for mark in (Mark(1, 0, 2), Mark(1, 0, 2), None):
-        session.point_at(mark)
-    assert marks == [Mark(1, 0, 2), None]
-
-
 def test_a_volume_has_a_section_of_its_own(default):
     plume = {"kind": "plume", "position": [5.0, 10.0, -30.0]}
     found = {section.key: section for section in sections_of(edit(default, {"volumes": [plume]}))}
@@ -327,21 +295,25 @@ def test_geojson_holds_everything(tmp_path):
     assert read_contacts(path) == (PLAIN, ON_EARTH, IN_WATER)
     collection = json.loads(path.read_text(encoding="utf-8"))
     assert collection["type"] == "FeatureCollection"
-    assert [each["geometry"] for each in collection["features"]] == [
-        None,
-        {"type": "Point", "coordinates": [-68.82834, 48.44586]},
-        None,
-    ]
+    point = {"type": "Point", "coordinates": [-68.82834, 48.44586]}
+    assert [each["geometry"] for each in collection["features"]] == [None, point, None]
     assert collection["features"][1]["properties"]["name"] == "Anker ⚓"
 
 
-def test_a_table_holds_everything_but_the_snapshots(tmp_path):
+def read_rows(path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_table_holds_everything_but_the_snapshots_and_no_text_that_a_spreadsheet_takes_as_a_formula(tmp_path):
     path = tmp_path / "found.csv"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, replace(ON_EARTH, snapshot=b""), IN_WATER)
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["slant_range"] for row in rows] == ["35.02", "35.02", "2.5"]
+    assert [row["slant_range"] for row in read_rows(path)] == ["35.02", "35.02", "2.5"]
+    contacts = [replace(IN_WATER, name=text) for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@a", "'quoted'")]
+    write_contacts(path, contacts)
+    assert all(row["name"].startswith("'") for row in read_rows(path))
+    assert list(read_contacts(path)) == contacts
 
 
 @pytest.mark.parametrize(
@@ -362,8 +334,7 @@ def test_a_table_holds_everything_but_the_snapshots(tmp_path):
 def test_a_mistake_is_named(tmp_path, field, value, said):
     path = tmp_path / "found.csv"
     write_contacts(path, [PLAIN, ON_EARTH])
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_rows(path)
     rows[1][field] = value
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, rows[0])
@@ -391,23 +362,15 @@ def test_an_endless_number_is_refused_in_a_sentence(tmp_path):
         read_contacts(path)
 
 
-def test_a_spreadsheet_takes_no_text_as_a_formula(tmp_path):
-    path = tmp_path / "found.csv"
-    contacts = [replace(IN_WATER, name=text) for text in ("=cmd|' /C calc'!A0", "+1", "-1", "@a", "'quoted'")]
-    write_contacts(path, contacts)
-    with path.open(encoding="utf-8", newline="") as file:
-        assert all(row["name"].startswith("'") for row in csv.DictReader(file))
-    assert list(read_contacts(path)) == contacts
-
-
 def test_a_list_numbers_names_and_knows_what_is_saved():
     session = Session(load_scene("default"))
     contacts, told = ContactList(session), []
     contacts.changed.connect(lambda: told.append(len(contacts)))
-    contacts.add(replace(PLAIN, name=""))
-    contacts.add(replace(PLAIN, name=""))
+    nameless = replace(PLAIN, name="")
+    contacts.add(nameless)
+    contacts.add(nameless)
     contacts.remove(0)
-    contacts.add(replace(PLAIN, name=""))
+    contacts.add(nameless)
     assert [each.name for each in contacts.all] == ["contact 2", "contact 1"]
     assert contacts.unsaved
     contacts.mark_saved("found.geojson")

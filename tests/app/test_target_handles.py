@@ -32,9 +32,9 @@ def test_a_handle_stands_where_the_echo_is(motion):
     scene = edit(load_scene("default"), {"targets": [sphere], "track.motion": motion, "sonar.beam": "knife"})
     scene = edit(scene, {"seabed.relief": "flat", "seabed.material": {"diffuse": 0.001, "specular": 0.0}})
     simulation = prepare(scene)
-    mark = echo_mark(simulation, handles_of(simulation, None)[0].place)
     record = simulation.intensity(np.arange(400))
     ping, side, strongest = np.unravel_index(int(record.argmax()), record.shape)
+    mark = echo_mark(simulation, handles_of(simulation, None)[0].place)
     assert mark is not None
     assert mark.side == side == 1
     # The sphere is 0.6 m long, three pings; its near face echoes up to a radius before its middle, and bins are 5 cm.
@@ -42,46 +42,29 @@ def test_a_handle_stands_where_the_echo_is(motion):
     assert 0 <= mark.bin - strongest <= 8
 
 
-def test_drags_move_turn_and_resize():
-    scene = edit(load_scene("default"), {"targets": [BOX]})
-    centre = (12.0, -20.0, 0.0)
-    assert drag_edit(scene, Handle(0, "move", centre), centre, (15.0, -22.5, 0.3)) == {
-        "targets.0.position": [15.0, -22.5]
-    }
-    east, north = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)
-    assert drag_edit(scene, Handle(0, "turn", east), east, north) == {"targets.0.heading": 120.0}
-    assert drag_edit(scene, Handle(0, "turn", north), north, east) == {"targets.0.heading": -60.0}
-    twice = drag_edit(scene, Handle(0, "resize", east), east, (20.0, -20.0, 0.0))
-    assert twice == {"targets.0.size": [8.0, 4.0, 3.0]}
+EAST, NORTH = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)
+ASIDE, FARTHER = (12.0, -16.0, 0.0), (12.0, -14.0, 0.0)
 
 
 @pytest.mark.parametrize(
-    ("target", "edited"),
+    ("target", "action", "start", "end", "edited"),
     [
-        ({"kind": "pipe", "radius": 0.5, "length": 20.0}, {"radius": 0.75}),
-        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, {"size": [4.0, 3.0, 2.25]}),
-        ({"kind": "cone", "radius": 0.5, "height": 1.2}, {"height": 1.8}),
+        (BOX, "move", (12.0, -20.0, 0.0), (15.0, -22.5, 0.3), {"position": [15.0, -22.5]}),
+        (BOX, "turn", EAST, NORTH, {"heading": 120.0}),
+        (BOX, "turn", NORTH, EAST, {"heading": -60.0}),
+        (BOX, "resize", EAST, (20.0, -20.0, 0.0), {"size": [8.0, 4.0, 3.0]}),
+        ({"kind": "pipe", "radius": 0.5, "length": 20.0}, "thicken", ASIDE, FARTHER, {"radius": 0.75}),
+        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, "thicken", ASIDE, FARTHER, {"size": [4.0, 3.0, 2.25]}),
+        ({"kind": "cone", "radius": 0.5, "height": 1.2}, "thicken", ASIDE, FARTHER, {"height": 1.8}),
     ],
 )
-def test_a_drag_thickens_and_keeps_the_length(target, edited):
+def test_a_drag_moves_turns_resizes_or_thickens_and_keeps_the_length(target, action, start, end, edited):
     scene = edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **target}]})
-    aside = (12.0, -16.0, 0.0)
-    changes = drag_edit(scene, Handle(0, "thicken", aside), aside, (12.0, -14.0, 0.0))
+    changes = drag_edit(scene, Handle(0, action, start), start, end)
     assert changes == {f"targets.0.{name}": value for name, value in edited.items()}
 
 
-def test_what_is_thickened_has_a_handle_beside_it():
-    """It stands off the target by 5 m of a range of 50 m, to port, and never on the handle that moves."""
-    kinds = ({"kind": "pipe", "heading": 90.0}, {"kind": "sphere"}, {"kind": "cone"}, {"kind": "mesh", "path": "wreck"})
-    for kind in kinds:
-        simulation = prepare(edit(load_scene("default"), {"targets": [{"position": [12.0, -20.0], **kind}]}))
-        beside = [handle.place for handle in handles_of(simulation, 0) if handle.action == "thicken"]
-        assert bool(beside) is (kind["kind"] in ("pipe", "cone"))
-        if kind["kind"] == "pipe":
-            assert beside[0][:2] == pytest.approx((12.0 - 0.5 - 5.0, -20.0))
-
-
-def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions(open_viewer, small, qtbot):
+def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions_and_a_mesh_resized(open_viewer, small, qtbot):
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
     scene = edit(small, {"targets": [pipe], "sonar.bins": 400})
     viewer = open_viewer(scene, solid=True)
@@ -100,13 +83,35 @@ def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions(open_viewer, 
     drag_outwards(viewer, "thicken")
     assert viewer.session.history.undoable == ("pipe 1 radius",)
     assert viewer.session.scene.targets[0].radius > 0.6
+    # A mesh is resized in three dimensions.
+    mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
+    viewer.open(edit(small, {"targets": [mesh], "sonar.bins": 400}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    drag_outwards(viewer, "resize")
+    assert viewer.session.history.undoable[0] == "mesh 1 resized"
+    assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
+    viewer.session.undo()
+    assert viewer.session.scene.targets[0].scale == 0.2
 
 
-def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer, one_box, qtbot):
-    """The handle stands opposite the one that thickens; length and width stay as they are."""
+def test_a_box_is_dragged_in_three_dimensions_and_raised_in_the_record_as_well(open_viewer, one_box, qtbot):
+    """The handle that raises stands opposite the one that thickens; length and width stay as they are."""
     viewer = open_viewer(one_box, solid=True)
+    session, view, seabed, record = viewer.session, viewer.seabed.view, viewer.seabed, viewer.window.waterfall
     viewer.targets.handles.choose(0)
-    record, seabed = viewer.window.waterfall, viewer.seabed
+    seabed.draw_now()
+    canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
+    start = view.handles.place(number_of(viewer, "move")).toPoint()
+    drag(canvas, start, start + QPoint(25, 10))
+    assert session.history.undoable == ("box 1 moved",)
+    moved = np.hypot(*(np.array(session.scene.targets[0].position) - np.array(BOX["position"])))
+    assert 0.5 < moved < 40.0
+    qtbot.waitUntil(lambda: viewer.complete)
+    place = view.handles.place(number_of(viewer, "move")).toPoint()
+    assert (place - start - QPoint(25, 10)).manhattanLength() <= 12, "the target follows the mouse"
+    assert tuple(view._canvas.plotter.camera.position) == position, "the view does not turn meanwhile"
+    session.undo()
+    qtbot.waitUntil(lambda: viewer.complete)
     handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("raise", "move"))
     thicken = record.handles.place(number_of(viewer, "thicken"))
     assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
@@ -121,7 +126,6 @@ def test_a_box_is_raised_in_the_record_and_in_three_dimensions(open_viewer, one_
     assert viewer.session.scene == one_box
     qtbot.waitUntil(lambda: viewer.complete)
     seabed.draw_now()
-    view = seabed.view
     handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("raise", "move"))
     drag(view._canvas.widget, handle, centre + (handle - centre) / 2)
     assert viewer.session.history.undoable == ("box 1 height",)
@@ -139,23 +143,20 @@ def drag_outwards(viewer, action: str):
     drag(view._canvas.widget, handle, handle + (handle - centre))
 
 
-def test_a_mesh_is_resized_in_three_dimensions(open_viewer, small, qtbot):
-    mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
-    viewer = open_viewer(edit(small, {"targets": [mesh], "sonar.bins": 400}), solid=True)
-    drag_outwards(viewer, "resize")
-    assert viewer.session.history.undoable == ("mesh 1 resized",)
-    assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
-    viewer.session.undo()
-    assert viewer.session.scene.targets[0].scale == 0.2
-
-
 @pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere"])
 def test_every_kind_with_a_size_has_a_handle_for_it(kind):
-    """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles."""
-    given = {"kind": kind, "position": [12.0, -20.0]} | ({"path": "wreck"} if kind == "mesh" else {})
-    scene = edit(load_scene("default"), {"targets": [given]})
-    changed = set()
-    for handle in handles_of(prepare(scene), 0):
+    """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles.
+
+    The one that thickens stands off the target by 5 m of a range of 50 m, to port, and never on the one that moves.
+    """
+    special = {"mesh": {"path": "wreck"}, "pipe": {"heading": 90.0}}
+    target = {"kind": kind, "position": [12.0, -20.0]} | special.get(kind, {})
+    scene = edit(load_scene("default"), {"targets": [target]})
+    handles, changed = handles_of(prepare(scene), 0), set()
+    beside = [handle.place[:2] for handle in handles if handle.action == "thicken"]
+    assert bool(beside) is (kind in ("box", "cone", "pipe"))
+    assert kind != "pipe" or beside[0] == pytest.approx((12.0 - 0.5 - 5.0, -20.0))
+    for handle in handles:
         if handle.action in ("resize", "thicken", "raise"):
             away = tuple(2.0 * now - middle for now, middle in zip(handle.place, (12.0, -20.0, 0.0), strict=True))
             changed |= {path.rpartition(".")[2] for path in drag_edit(scene, handle, handle.place, away)}
@@ -243,20 +244,3 @@ def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtb
     viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.targets.handles.chosen == 0
-
-
-def test_a_target_is_dragged_in_three_dimensions(open_viewer, one_box, qtbot):
-    viewer = open_viewer(one_box, solid=True)
-    session, view = viewer.session, viewer.seabed.view
-    viewer.targets.handles.choose(0)
-    viewer.seabed.draw_now()
-    canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
-    start = view.handles.place(number_of(viewer, "move")).toPoint()
-    drag(canvas, start, start + QPoint(25, 10))
-    assert session.history.undoable == ("box 1 moved",)
-    moved = np.hypot(*(np.array(session.scene.targets[0].position) - np.array(BOX["position"])))
-    assert 0.5 < moved < 40.0
-    qtbot.waitUntil(lambda: viewer.complete)
-    place = view.handles.place(number_of(viewer, "move")).toPoint()
-    assert (place - start - QPoint(25, 10)).manhattanLength() <= 12, "the target follows the mouse"
-    assert tuple(view._canvas.plotter.camera.position) == position, "the view does not turn meanwhile"

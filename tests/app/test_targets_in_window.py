@@ -1,4 +1,4 @@
-"""Adding, turning and removing targets in the window."""
+"""Adding, turning and removing targets in the window, kinds of somebody else's, and scenes that are put together."""
 
 from types import SimpleNamespace
 
@@ -8,13 +8,20 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
 
-from insonify.scene import SceneError, edit, resources
+from insonify import simulate
+from insonify.files import bundled_sonars
+from insonify.scene import SceneError, bundled_meshes, edit, resources
+from insonify.scene_edits import add_dependent_edits
+from insonify.simulation import prepare
 from insonify_viewer.seabed.bed_shading import target_colours
 from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
+from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import FileRow
 from insonify_viewer.widgets.gallery import Gallery
+from insonify_viewer.window.new_scene import BEDS, NewScene, compose_scene
 from insonify_viewer.window.target_placement import new_target, target_menu
+from own_kinds import own_kinds, own_scene
 
 
 def pick_file(monkeypatch, path: str):
@@ -58,7 +65,9 @@ def test_a_target_of_any_kind_is_added_taken_back_and_kept_apart_from_others(ope
     assert distances.min() > 7.0
 
 
-def test_a_mesh_is_chosen_by_its_picture_and_takes_another_file(viewer, small, qtbot, monkeypatch, tmp_path):
+def test_a_mesh_is_chosen_by_its_picture_takes_another_file_and_is_refused_and_a_cross_removes_a_target(
+    viewer, small, qtbot, monkeypatch, tmp_path
+):
     seen = []
 
     def click_the_anchor():
@@ -85,12 +94,10 @@ def test_a_mesh_is_chosen_by_its_picture_and_takes_another_file(viewer, small, q
     row.button.click()
     assert viewer.session.scene.targets[0].path == str(path)
     assert row.button.text() == "shape.obj …"
+    # No file and a wrong mesh add nothing.
+    viewer.open(small)
     qtbot.waitUntil(lambda: viewer.complete)
-
-
-def test_no_file_and_a_wrong_mesh_add_nothing_and_a_cross_removes_one(open_viewer, small, qtbot, monkeypatch, tmp_path):
     pick_file(monkeypatch, "")
-    viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
     qtbot.wait(50)
     assert viewer.session.scene == small
@@ -118,33 +125,24 @@ def test_shapes_come_before_attitude_and_materials_last(small):
     assert section.removable
 
 
-def test_what_has_no_say_stands_aside(small):
-    def labels(target):
-        scene = edit(small, {"targets": [target]})
-        return [p.label for s in sections_of(scene) if s.key == "targets.0" for p in s.parameters]
+def test_what_has_no_say_stands_aside_and_what_is_for_bounces_and_speckle_is_shown_with_them(small):
+    def labels(changes, *keys):
+        return {
+            p.label for s in sections_of(edit(small, changes)) if s.key in ("targets.0", *keys) for p in s.parameters
+        }
 
-    assert "gap" not in labels({"kind": "sphere", "position": [1.0, 2.0, -20.0]})
-    assert "pitch" not in labels({"kind": "pipe", "position": [1.0, 2.0], "gap": [[-1.0, 0.0], [1.0, 1.0]]})
-    assert "pitch" in labels({"kind": "pipe", "position": [1.0, 2.0]})
-
-
-def test_what_is_for_bounces_and_speckle_is_shown_with_them(small):
-    def labels(**changes):
-        scene = edit(small, {path.replace("__", "."): value for path, value in changes.items()})
-        return {p.label for s in sections_of(scene) if s.key in ("seabed", "targets.0") for p in s.parameters}
-
-    assert not {"reflection", "speed ratio", "speckle shape"} & labels()
-    assert {"reflection", "speed ratio"} <= labels(sonar__bounces=1)
+    assert "gap" not in labels({"targets": [{"kind": "sphere", "position": [1.0, 2.0, -20.0]}]})
+    pipe = {"kind": "pipe", "position": [1.0, 2.0]}
+    assert "pitch" not in labels({"targets": [pipe | {"gap": [[-1.0, 0.0], [1.0, 1.0]]}]})
+    assert "pitch" in labels({"targets": [pipe]})
+    assert not {"reflection", "speed ratio", "speckle shape"} & labels({}, "seabed")
+    assert {"reflection", "speed ratio"} <= labels({"sonar.bounces": 1}, "seabed")
 
 
-def test_a_mesh_in_millimetres_is_brought_to_metres(small, tmp_path):
+def test_a_mesh_in_millimetres_is_brought_to_metres_and_beside_the_bed_there_is_no_place(small, tmp_path):
     (tmp_path / "large.obj").write_text("v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n")
-    target = new_target(StandIn(small, 0.03), small, "mesh", 100, str(tmp_path / "large.obj"))
-    assert target["scale"] == 0.01
-
-
-def test_beside_the_bed_there_is_no_place(small):
     simulation = StandIn(small, 0.03)
+    assert new_target(simulation, small, "mesh", 100, str(tmp_path / "large.obj"))["scale"] == 0.01
     simulation.ground = SimpleNamespace(height_at_once=lambda x, y: np.full(x.shape, np.nan))
     with pytest.raises(SceneError, match="there is no bed beside this part of the tow"):
         new_target(simulation, small, "box", 100)
@@ -196,3 +194,75 @@ def test_a_cone_is_drawn_outside_out():
         mesh = mesh.compute_normals(auto_orient_normals=False, consistent_normals=False, point_normals=False)
         outward = np.asarray(mesh.cell_centers().points) - [1.0, 3.0, 3.0]
         assert ((np.asarray(mesh.cell_data["Normals"]) * outward).sum(axis=1) > -1e-6).all()
+
+
+@pytest.fixture
+def own():
+    """A scene with a shape, a map and a material of somebody else's."""
+    with own_kinds():
+        yield own_scene()
+
+
+@pytest.mark.usefixtures("own")
+def test_the_menu_puts_a_hoop_on_the_bed(open_viewer, small, qtbot):
+    assert list(target_menu())[-1] == "hoop"
+    viewer = open_viewer(edit(small, {"targets": []}))
+    assert add(viewer, "hoop", qtbot).kind == "hoop"
+    row = viewer.panels["parameters"].view.row("targets.0.tube")
+    qtbot.waitUntil(row.label.isVisible)
+    viewer.session.settle({"targets.0.tube": 0.75})
+    assert viewer.session.scene.targets[0].tube == 0.75
+
+
+def test_a_hoop_is_shown_in_its_own_colour(own):
+    arrays, colours = prepare(own).arrays, target_colours(own)
+    shown = targets_mesh(arrays.solids, arrays.mesh, colours)
+    np.testing.assert_allclose(np.reshape(shown.bounds, (3, 2)), [[2.5, 7.5], [15.5, 20.5], [0.0, 1.0]], atol=1e-6)
+    np.testing.assert_array_equal(np.unique(shown.cell_data["colour"], axis=0), colours)
+    assert colours[0, 0] > colours[0, 2]
+
+
+def test_the_panel_has_the_sliders_of_a_hoop_its_material_in_a_list_and_the_map_to_switch_to(own):
+    ring = next(section for section in sections_of(own) if section.key == "targets.0")
+    assert ring.title == "Hoop 1"
+    rows = {row.path.removeprefix("targets.0."): row for row in ring.parameters}
+    assert isinstance(rows["tube"], NumberField)
+    assert (rows["tube"].slider, rows["tube"].unit, rows["tube"].log) == ((0.05, 2.0), "m", True)
+    assert {"radius", "heading", "pitch", "roll", "gap"} <= rows.keys()
+    assert isinstance(rows["material.name"], ChoiceField)
+    assert "coral" in rows["material.name"].options
+    scene = edit(own, add_dependent_edits(own, {"seabed.material.kind": "halves"})[0])
+    assert [one.name for one in scene.seabed.material.materials] == ["medium_sand", "rock"]
+    paths = [row.path for section in sections_of(scene) for row in section.parameters]
+    assert "seabed.material.border" in paths
+
+
+@pytest.mark.parametrize(("bed", "sonar"), list(zip(BEDS.values(), [*bundled_sonars()][::2], strict=True)))
+def test_every_bed_and_sonar_make_a_record_with_its_targets(bed, sonar):
+    meshes = list(bundled_meshes())[:3]
+    scene = compose_scene(bed, sonar, 60.0, 8.0, 24, meshes)
+    assert [target.path for target in scene.targets] == meshes
+    assert scene.track.altitude == 8.0
+    assert scene.sonar.preset == sonar
+    record = simulate(edit(scene, {"sonar.bins": 128, "track.pings": 4}), forced={"planes": "1"})
+    assert (record.intensity.values > 0.0).any()
+
+
+def test_the_dialog_of_a_new_scene_opens_it_without_a_file(viewer, monkeypatch):
+    def answer(dialog: NewScene) -> bool:
+        dialog.beds.setCurrentRow(3)
+        dialog.sonar.setCurrentIndex(dialog.sonar.findData("kayak-800"))
+        assert dialog.altitude.value() == pytest.approx(2.5)
+        dialog.pings.setValue(100)
+        for row in (0, 2):
+            dialog.targets.item(row).setSelected(True)
+        return True
+
+    monkeypatch.setattr(NewScene, "exec", answer)
+    viewer.window.new_scene.trigger()
+    scene = viewer.session.scene
+    assert (scene.title, viewer.session.file, scene.track.pings) == ("Untitled", "", 100)
+    names = list(bundled_meshes())
+    assert [target.path for target in scene.targets] == [names[0], names[2]]
+    (x, y), (further, across) = (target.position for target in scene.targets)
+    assert (x < further, y * across < 0.0) == (True, True)

@@ -11,11 +11,12 @@ import pytest
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 
-from insonify.scene import edit, load_scene
+from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.record import pings_held
 from insonify_viewer.record.record_image import blur_along_track
 from insonify_viewer.state.history import Modelling
+from insonify_viewer.viewer import Viewer
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 
@@ -26,8 +27,12 @@ RATE = 60  # moves of a slider in a second
 
 
 def seconds_until(qtbot, condition: Callable[[], bool], timeout: int = 20000) -> float:
+    return seconds_of(lambda: qtbot.waitUntil(condition, timeout=timeout))
+
+
+def seconds_of(act: Callable[[], object]) -> float:
     start = time.perf_counter()
-    qtbot.waitUntil(condition, timeout=timeout)
+    act()
     return time.perf_counter() - start
 
 
@@ -91,60 +96,45 @@ def _clocks() -> np.ndarray:
     return np.array([time.perf_counter(), time.thread_time()])
 
 
-@pytest.mark.parametrize(
-    ("path", "ends"),
-    [
-        ("seabed.relief.beta", (1.0, 2.0)),
-        ("track.altitude", (5.0, 15.0)),
-        ("sonar.beam.width", (0.5, 3.0)),
-        ("seabed.material.diffuse", (0.1, 0.7)),
-        ("targets.0.radius", (0.2, 0.8)),
-    ],
-)
-def test_a_coarse_picture(qapp, path, ends):
-    """After a fine picture, whose plan serves while a slider moves."""
-    simulator, pings = Simulator(), np.arange(511, -1, -1, dtype=np.int64)
-    list(simulator._trace(PingRequest(0, load_scene("default"), Modelling(), pings, fine=True)))
-    wall, busy, every = [], [], 1.0
-    for value in np.linspace(*ends, 2 * MOVES + 1):
-        scene = edit(load_scene("default"), {path: float(value)})
-        began, used = time.perf_counter(), time.process_time()
-        answer = next(simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False)))
-        wall.append(time.perf_counter() - began)
-        busy.append(time.process_time() - used)
-        every = len(answer.pings) / np.count_nonzero(~answer.between)
-    simulator.close()
-    wall, busy = 1e3 * np.array(wall[1:]), 1e3 * np.array(busy[1:])  # the first had to compile, or make noise
-    print(
-        f"\n{path}: a coarse picture in {np.median(wall):.1f} ms (best {wall.min():.1f}), processor "
-        f"{np.median(busy):.1f} ms, at last every {every:.0f} pings"
-    )
+@pytest.fixture
+def open_large(open_viewer, qtbot) -> Callable[[Scene], Viewer]:
+    """Open a large viewer on a scene that is traced as in the program."""
+
+    def open_one(scene: Scene) -> Viewer:
+        viewer: Viewer = open_viewer(scene, prepare=None)
+        viewer.window.resize(1480, 900)
+        qtbot.wait(500)
+        return viewer
+
+    return open_one
 
 
-GALLERY = [
-    "default",
-    "pipe-on-bed",
-    "ripples",
-    "wreck",
-    "sediments",
-    "targets",
-    "ghosts",
-    "rough-ground",
-    "thermocline",
+GALLERY = (
+    "default", "pipe-on-bed", "ripples", "wreck", "sediments", "targets", "ghosts", "rough-ground", "thermocline",
     "endless",
-]
+)  # fmt: skip
+OF_DEFAULT = (
+    ("seabed.relief.beta", 1.4), ("sonar.beam.width", 1.0), ("seabed.material.diffuse", 0.3), ("targets.0.radius", 0.5)
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_a_preview_against_the_planned_record(qapp, name):
-    """What a move of altitude or depth costs, and how far both pictures are off beyond 1.4 altitudes."""
+@pytest.mark.parametrize(
+    ("name", "path", "value"), [*((name, "track", None) for name in GALLERY), *(("default", *at) for at in OF_DEFAULT)]
+)
+def test_a_preview_against_the_planned_record(qapp, name, path, value):
+    """What a move of a slider costs, by default of altitude or depth, and how far both pictures are off.
+
+    They are compared beyond 1.4 altitudes. The plan of a fine picture serves while the slider moves.
+    """
     scene, simulator = load_scene(name), Simulator()
+    if value is None:
+        at = "depth" if scene.track.altitude is None else "altitude"
+        path, value = f"track.{at}", getattr(scene.track, at)
     pings = np.arange(pings_held(scene) - 1, -1, -1, dtype=np.int64)
     list(simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=True)))
     wall, busy, refined = [], [], []
     for number in range(1, MOVES + 1):
-        at = "depth" if scene.track.altitude is None else "altitude"
-        moved = edit(scene, {f"track.{at}": getattr(scene.track, at) * (1.0 + 0.004 * number)})
+        moved = edit(scene, {path: value * (1.0 + 0.004 * number)})
         began, used, answers = time.perf_counter(), time.process_time(), []
         for answer in simulator._trace(PingRequest(number, moved, Modelling(), pings, fine=False)):
             if not answers:
@@ -156,15 +146,16 @@ def test_a_preview_against_the_planned_record(qapp, name):
     simulator.close()
     first, last = (_distance(answer, planned) for answer in (answers[0], answers[-1]))
     print(
-        f"\n{name}: first picture in {1e3 * np.median(wall[1:]):.0f} ms, processor {1e3 * np.median(busy[1:]):.0f} ms, "
-        f"{np.mean(~answers[0].between):.0%} of the pings traced, {first:.1%} off; refined by processor "
-        f"{1e3 * np.median(refined[1:]):.0f} ms, {last:.1%} off"
+        f"\n{name}, {path}: first picture in {1e3 * np.median(wall[1:]):.0f} ms, "
+        f"processor {1e3 * np.median(busy[1:]):.0f} ms, {np.mean(~answers[0].between):.0%} of the pings traced, "
+        f"{first:.1%} off; refined by processor {1e3 * np.median(refined[1:]):.0f} ms, {last:.1%} off"
     )
 
 
 def _distance(answer, planned) -> float:
     """Mean difference of amplitudes, as they are shown, from the planned ones beyond 1.4 altitudes."""
-    wanted, found = (_rows(each) for each in (np.concatenate([one.amplitude for one in planned]), answer.amplitude))
+    both = (np.concatenate([one.amplitude for one in planned]), answer.amplitude)
+    wanted, found = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in both)
     arrays = answer.simulation.arrays
     if answer.reach is not None:
         found = blur_along_track(found, np.concatenate([answer.reach[::-1], answer.reach]))
@@ -173,36 +164,10 @@ def _distance(answer, planned) -> float:
     return float(np.abs(found - wanted)[:, far].sum() / wanted[:, far].sum())
 
 
-def _rows(amplitude):
-    return np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1)
-
-
-def test_slider_to_picture(open_viewer, qtbot):
-    viewer = open_viewer(load_scene("default"), prepare=None)
-    viewer.window.resize(1480, 900)
-    coarse, fine, gaps = [], [], Gaps(viewer)
-    for path, ends in (
-        ("seabed.relief.beta", (350, 650)),
-        ("track.altitude", (100, 350)),
-        ("sonar.beam.width", (300, 600)),
-        ("seabed.material.diffuse", (100, 700)),
-    ):
-        row = viewer.panels["parameters"].view.row(path)
-        row.slider.setSliderDown(True)
-        for position in np.linspace(*ends, MOVES).astype(int):
-            row.slider.setValue(int(position))
-            coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
-        row.slider.setSliderDown(False)
-        fine.append(seconds_until(qtbot, lambda: not viewer._missing().size))
-    gaps.stop()
-    print(f"\nslider to coarse picture: median {np.median(coarse):.3f} s, worst {max(coarse):.3f} s")
-    print(f"release to fine picture: median {np.median(fine):.3f} s, worst {max(fine):.3f} s")
-    print(gaps.sentence())
-
-
 @pytest.mark.parametrize(
     ("name", "path"),
     [
+        ("default", "seabed.material.diffuse"),
         ("default", "seabed.relief.beta"),
         ("default", "track.altitude"),
         ("default", "sonar.beam.width"),
@@ -212,10 +177,9 @@ def test_slider_to_picture(open_viewer, qtbot):
         ("endless", "sonar.beam.width"),
     ],
 )
-def test_slider_at_60_hz(open_viewer, qtbot, name, path):
+def test_slider_at_60_hz(open_large, qtbot, name, path):
     """A slider that moves 60 times a second: delay of the pictures, and gaps of the main thread."""
-    viewer = open_viewer(load_scene(name), prepare=None)
-    viewer.window.resize(1480, 900)
+    viewer = open_large(load_scene(name))
     row = viewer.panels["parameters"].view.row(path)
     moved = {}
     delays, traced = [], []
@@ -244,14 +208,15 @@ def test_slider_at_60_hz(open_viewer, qtbot, name, path):
     qtbot.waitUntil(lambda: not timer.isActive())
     gaps.stop()
     row.slider.setSliderDown(False)
-    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.sentence()}")
+    fine = seconds_until(qtbot, lambda: not viewer._missing().size)
+    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.sentence()}; fine after {fine:.3f} s")
     if delays:
         after, best, of_it = (1e3 * float(each) for each in (np.median(delays), min(delays), np.median(traced)))
         print(f"pictures {after:.0f} ms after their move (median; best {best:.0f}), of which {of_it:.0f} ms traced")
 
 
-def test_live_tow(open_viewer, qtbot):
-    viewer = open_viewer(load_scene("default"), prepare=None)
+def test_live_tow(open_large, qtbot):
+    viewer = open_large(load_scene("default"))
     viewer.tow.speed = 4.0
     viewer.tow.restart(1000)  # past the targets, before which it would pause
     viewer.run(True)
@@ -265,10 +230,8 @@ def test_live_tow(open_viewer, qtbot):
     print(gaps.sentence())
 
 
-def test_a_view_that_is_turned(open_viewer, qtbot):
-    viewer = open_viewer(load_scene("default"), prepare=None)
-    viewer.window.resize(1480, 900)
-    qtbot.wait(500)
+def test_a_view_that_is_turned(open_large, qtbot):
+    viewer = open_large(load_scene("default"))
     canvas = viewer.seabed.view._canvas.widget
     place, frames, seconds = canvas.rect().center(), [], []
     canvas.frameSwapped.connect(lambda: frames.append(time.perf_counter()))
@@ -283,10 +246,8 @@ def test_a_view_that_is_turned(open_viewer, qtbot):
     print(f"\n3-D view of {size} while turned: {rate:.1f} frames/s, median {1e3 * np.median(seconds):.0f} ms")
 
 
-def test_a_target_that_is_dragged(open_viewer, qtbot):
-    viewer = open_viewer(load_scene("default"), prepare=None)
-    viewer.window.resize(1480, 900)
-    qtbot.wait(500)
+def test_a_target_that_is_dragged(open_large, qtbot):
+    viewer = open_large(load_scene("default"))
     record, handles = viewer.window.waterfall, viewer.targets.handles._handles
     number = next(k for k, handle in enumerate(handles) if handle.target == 1)
     place, gaps, coarse = record.handles.place(number), Gaps(viewer), []
@@ -306,31 +267,22 @@ def test_panel_that_follows_a_slider(open_viewer):
     panel, seconds = viewer.panels["parameters"], []
     for altitude in np.linspace(5.0, 15.0, 3 * MOVES):
         viewer.session.drag({"track.altitude": float(altitude)})
-        began = time.perf_counter()
         panel.view.soon.stop()
-        panel._show()
-        seconds.append(time.perf_counter() - began)
+        seconds.append(seconds_of(panel._show))
     seconds = 1e3 * np.array(seconds[1:])
     print(f"\nall rows of the panel after a move: median {np.median(seconds):.1f} ms, worst {seconds.max():.1f} ms")
 
 
 @pytest.mark.parametrize("pings", [512, 2048])
-def test_a_and_b_change_places(open_viewer, qtbot, pings):
-    viewer = open_viewer(edit(load_scene("default"), {"track.pings": pings}), prepare=None)
-    viewer.window.resize(1480, 900)
-    qtbot.wait(200)
-    began = time.perf_counter()
-    viewer.comparison.keep()
-    kept = time.perf_counter() - began
+def test_a_and_b_change_places(open_large, qtbot, pings):
+    viewer = open_large(edit(load_scene("default"), {"track.pings": pings}))
+    kept = seconds_of(viewer.comparison.keep)
     viewer.session.settle({"sonar.beam.width": 2.0})
     qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference))
     view, flips = viewer.window.waterfall, []
     for turn in range(2 * TURNS):
-        key = QTest.keyRelease if turn % 2 else QTest.keyPress
-        began = time.perf_counter()
-        key(viewer.window, Qt.Key.Key_X)
-        view.repaint()
-        flips.append(time.perf_counter() - began)
+        press = QTest.keyRelease if turn % 2 else QTest.keyPress
+        flips.append(seconds_of(lambda press=press: (press(viewer.window, Qt.Key.Key_X), view.repaint())))
     size = f"{view.width()} × {view.height()} px"
     print(f"\n{pings} pings of 2 × 1000 bins in {size}: kept in {1e3 * kept:.1f} ms")
     print(f"A and B change places in {1e3 * np.median(flips):.1f} ms (median), {1e3 * max(flips):.1f} ms (worst)")
@@ -339,9 +291,7 @@ def test_a_and_b_change_places(open_viewer, qtbot, pings):
         frames = []
         for _ in range(TURNS):
             viewer.window.overlay._difference_of = None  # so that it is computed anew
-            began = time.perf_counter()
-            view.repaint()
-            frames.append(time.perf_counter() - began)
+            frames.append(seconds_of(view.repaint))
         print(f"{arrangement.value}: a frame in {1e3 * np.median(frames):.1f} ms (median), {1e3 * max(frames):.1f} ms")
     for arrangement in (Arrangement.ALONE, Arrangement.DIFFERENCE):
         viewer.comparison.arrange(arrangement)

@@ -1,4 +1,4 @@
-"""What the window shows while it waits."""
+"""What the window shows while it waits, and the record that comes with the package meanwhile."""
 
 import threading
 import time
@@ -12,11 +12,14 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
 from stand_in import StandIn
 
+from insonify import simulation
 from insonify.compiler.progress import Compilation, report_progress
 from insonify.packing.packed_scene import pack
-from insonify.scene import edit
+from insonify.planning.selection import choose_model
+from insonify.scene import edit, load_scene
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.state.history import Modelling
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import dimmed
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
@@ -52,10 +55,7 @@ def test_a_record_that_follows_a_slider_or_a_tow_that_misses_a_few_pings_is_not_
 
 
 def test_dimmed_colours_are_darker():
-    assert [hex(int(word)) for word in dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32))] == [
-        "0xff000000",
-        "0xff5e3003",
-    ]
+    assert dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32)).tolist() == [0xFF000000, 0xFF5E3003]
 
 
 def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer, small, qtbot):
@@ -84,7 +84,9 @@ def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer, small, qtb
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
 
 
-def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(open_viewer, small, qtbot, monkeypatch):
+def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record_and_one_that_cannot_be_drawn_is_told(
+    open_viewer, small, qtbot, monkeypatch
+):
     going = threading.Event()
     draw = pv_meshes.bed_patch
 
@@ -112,15 +114,12 @@ def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record(open_viewer, s
     qtbot.waitUntil(lambda: viewer.complete)
     assert strongest_contrast() > 0.7 * usual
 
-
-def test_a_bed_that_cannot_be_drawn_is_told_with_details(open_viewer, small, qtbot, monkeypatch):
-    viewer = open_viewer(small, prepare=None)
-
+    # A bed that cannot be drawn is told with details.
     def fail(*_):
         raise KeyError("no such thing")
 
     monkeypatch.setattr(pv_meshes, "bed_patch", fail)
-    viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
+    viewer.open(edit(small, {"seabed.relief.beta": 2.5}))
     qtbot.waitUntil(viewer.window.status.copy.isVisible, timeout=120000)
     assert "the picture of the bed failed (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
     QTest.mouseClick(viewer.window.status.copy, Qt.MouseButton.LeftButton)
@@ -231,3 +230,53 @@ def test_pings_between_traced_ones_are_interpolated_and_then_traced(small):
     assert not last.between.any()
     assert (last.amplitude == last.level.amplitudes(pings)).all()
     assert first.stamps.max() == last.stamps.min() == first.stamps.min() + 1
+
+
+@pytest.fixture
+def kernels(monkeypatch):
+    """Let plans wait for an event, as they do for kernels."""
+    ready = threading.Event()
+    monkeypatch.setattr(simulation, "choose_model", lambda *case: ready.wait(120.0) and choose_model(*case))
+    yield ready
+    ready.set()
+
+
+def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer, kernels, qtbot):
+    viewer = open_viewer(
+        load_scene("default"), prepare=None, until=lambda viewer: viewer._answer is not None and viewer.seabed.complete
+    )
+    waterfall = viewer.window.waterfall
+    qtbot.waitUntil(lambda: waterfall.waiting is not None)
+    assert waterfall.waiting.what.startswith("example; ")
+    assert not viewer.complete
+    drawn, mark, seen = picture_of(waterfall).copy(), Mark(300, 1, 400), []
+    assert np.unique(drawn).size > 100
+    viewer.panels.point_marked.connect(seen.append)
+    viewer.session.point_at(mark)
+    qtbot.waitUntil(lambda: bool(seen) and seen[-1] is not None)
+    assert seen[-1].mark == mark
+    assert seen[-1].intensity > 0.0
+    viewer.run(True)
+    qtbot.wait(200)
+    assert viewer.tow.newest == 511, "the tow waits for the kernels"
+    viewer.run(False)
+    viewer.session.show(palette="grey")
+    assert (picture_of(waterfall) != drawn).any()
+    viewer.session.show(palette="copper")
+    assert (picture_of(waterfall) == drawn).all()
+    kernels.set()
+    qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
+    assert (picture_of(waterfall) == drawn).mean() > 0.99
+    assert seen[-1].mark == mark
+
+
+def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, kernels, qtbot):
+    viewer = open_viewer(load_scene("default"), prepare=None, until=lambda viewer: viewer._answer is not None)
+    waterfall = viewer.window.waterfall
+    bright = picture_of(waterfall).copy()
+    viewer.session.settle({"track.altitude": 12.0})
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and (picture_of(waterfall) != bright).mean() > 0.5)
+    assert "example" not in waterfall.waiting.what
+    kernels.set()
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer._answer.simulation.scene.track.altitude == 12.0

@@ -1,14 +1,17 @@
-"""The water's panel: rays of the current scene, points to drag, eigenrays on a click."""
+"""The panels of the water and of the sonar equation: rays, points to drag, eigenrays, terms and curves over range."""
 
-from typing import Any
-
+import numpy as np
 import pytest
-from controls import activate, drag
+from controls import activate, colours_of, drag
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from insonify.scene import edit
+from insonify.explanation.sonar_equation import solve_sonar_equation
+from insonify.scene import edit, load_scene
+from insonify_viewer.panels.budget.levels import COMPARED, signed
+from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
@@ -19,26 +22,22 @@ def layered(small):
     return edit(small, {"water": PROFILE})
 
 
-def wait_for_rays(viewer, qtbot):
-    qtbot.waitUntil(lambda: viewer.complete)
-
-
 def colours(widget) -> int:
     """Number of colours in a picture of the widget."""
-    picture = widget.grab().toImage()
-    return len({picture.pixel(x, y) for x in range(0, picture.width(), 3) for y in range(0, picture.height(), 3)})
+    return np.unique(colours_of(widget.grab().toImage())[::3, ::3]).size
 
 
-def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(viewer, layered, qtbot):
+def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(open_viewer, small, layered, qtbot):
+    viewer = open_viewer(small)
     assert not viewer.panels["water"].view.isVisible()
     viewer.window._buttons["water"].trigger()
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.panels["water"].complete
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
     viewer.window._buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.panels["water"].view.isVisible()
     assert colours(viewer.panels["water"].view) > 100
     viewer.window._buttons["water"].trigger()
@@ -55,7 +54,7 @@ def handle(view) -> QPoint:
 
 def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_rays(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     view = viewer.panels["water"].view
     start = handle(view)
     drag(view, start, start + QPoint(-20, 10))
@@ -63,10 +62,10 @@ def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_
     assert water.sound_speed[1] < 1517.0
     assert water.depth[1] > 10.3
     assert water.depth[0::2] == (0.0, 20.0)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     viewer.session.undo()
     assert viewer.session.scene == layered
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert (handle(view) - start).manhattanLength() <= 1
     view.point_dragged.emit(1, 29.0, 1800.0)
     assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
@@ -76,7 +75,7 @@ def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
     # A click into the water asks for the rays to it.
     viewer.open(layered)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     shown = []
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
@@ -87,18 +86,12 @@ def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_
     assert viewer.session.scene == layered
 
 
-def open_with_keyboard(open_viewer, scene, qtbot, reason=Qt.FocusReason.TabFocusReason) -> tuple[Any, Any]:
-    """Open a viewer, and return it and its view of the water, which has the keyboard."""
-    viewer = open_viewer(scene)
+def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it_and_ask_for_rays(open_viewer, layered, qtbot):
+    viewer = open_viewer(layered)
+    panel, view = viewer.panels["water"], viewer.panels["water"].view
     activate(viewer.window, qtbot)
-    wait_for_rays(viewer, qtbot)
-    view = viewer.panels["water"].view
-    view.setFocus(reason)
-    return viewer, view
-
-
-def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it(open_viewer, layered, qtbot):
-    viewer, view = open_with_keyboard(open_viewer, layered, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
+    view.setFocus(Qt.FocusReason.TabFocusReason)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     plain = view.grab().toImage()
     QTest.keyClick(view, Qt.Key.Key_Tab)
@@ -112,7 +105,7 @@ def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it(open_viewe
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
     assert not viewer.session.history.undoable, "the key is still down"
     QTest.keyRelease(view, Qt.Key.Key_Right)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     viewer.session.undo()
     assert viewer.session.scene == layered, "one step of undo"
     for _ in range(3):
@@ -120,17 +113,17 @@ def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it(open_viewe
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
     # A point is settled when the keyboard leaves it.
     viewer.open(layered)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     undoable = viewer.session.history.undoable
     QTest.keyPress(view, Qt.Key.Key_Left)
     assert viewer.session.history.undoable == undoable
     viewer.window.waterfall.setFocus()
     assert len(viewer.session.history.undoable) == len(undoable) + 1
-
-
-def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, qtbot):
-    viewer, view = open_with_keyboard(open_viewer, layered, qtbot, Qt.FocusReason.BacktabFocusReason)
-    panel = viewer.panels["water"]
+    # A key asks for the rays to a point of the water.
+    viewer.session.undo()
+    assert viewer.session.scene == layered
+    qtbot.waitUntil(lambda: viewer.complete)
+    view.setFocus(Qt.FocusReason.BacktabFocusReason)
     plain = view.grab().toImage()
     QTest.keyClick(view, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
     QTest.keyClick(view, Qt.Key.Key_Down)
@@ -139,7 +132,7 @@ def test_a_key_asks_for_the_rays_to_a_point_of_the_water(open_viewer, layered, q
     QTest.keyClick(view, Qt.Key.Key_Return)
     frame = view.scales()
     assert panel._target == pytest.approx((0.6 * frame.reach, 0.51 * frame.bottom))
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert view._diagram.target == pytest.approx(panel._target)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     assert QApplication.focusWidget() is not view, "the cross is the last stop"
@@ -157,7 +150,7 @@ def test_a_cast_is_asked_for_and_columns_of_water_have_no_sliders(
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
     viewer.panels["parameters"].view.settled.emit("water.kind", "cast")
     assert viewer.session.scene.water.path == str(path)
-    wait_for_rays(viewer, qtbot)
+    qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.panels["water"].view.isVisible()
     # Columns of water have no sliders.
     viewer.open(layered)
@@ -176,3 +169,83 @@ def test_slower_water_lowers_the_ping_rate(small):
     assert session.scene.sonar.ping_rate == 14.0
     assert session.settle({"water.sound_speed.2": 1450.0})
     assert session.scene.sonar.ping_rate == 14.0
+
+
+@pytest.fixture
+def scene():
+    return edit(load_scene("raw-record"), {"track.pings": 32, "seabed.relief": "flat", "targets": []})
+
+
+@pytest.fixture
+def viewer(open_viewer, scene, qtbot):
+    """A viewer whose panel of the sonar equation is open."""
+    opened = open_viewer(scene, prepare=None)
+    assert opened.panels["budget"]._solved is None, "a closed panel solves nothing"
+    opened.window.open_panel("budget")
+    wait(opened, qtbot)
+    return opened
+
+
+def wait(viewer, qtbot):
+    qtbot.waitUntil(lambda: viewer.panels["budget"].complete, timeout=240000)
+
+
+def groups(viewer):
+    return {group.name: group for group in viewer.panels["budget"].view.terms.groups}
+
+
+def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_or_the_cursor_and_follows_the_scene(
+    viewer, scene, qtbot
+):
+    solved, _ = solve_sonar_equation(scene)
+    k = scene.sonar.bins // 2
+    found = groups(viewer)
+    assert found["bed"].level == pytest.approx(solved.bed.decibels[k])
+    assert dict(found["bed"].rows) == pytest.approx({name: float(term[k]) for name, term in solved.bed.terms.items()})
+    for level in (solved.target, *solved.disturbances):
+        assert found[level.name].level == pytest.approx(level.decibels[k])
+    over = dict(found[COMPARED].rows)["bed over noise"]
+    assert over == pytest.approx(solved.bed.decibels[k] - solved.disturbance[k])
+    text = viewer.panels["budget"].view.terms.toPlainText()
+    assert signed(solved.bed.decibels[k]) in text
+    assert "the target is above it up to" in viewer.panels["budget"].view.sentence.text()
+    assert "Medium sand: " in viewer.panels["budget"].view.model.text()
+    # The cursor in the record and in the curves chooses the range.
+    panel = viewer.panels["budget"]
+    panel.point_marked(MarkedPoint(Mark(0, 0, 800), 40.0, None, None, 1.0))
+    assert groups(viewer)["bed"].level == pytest.approx(solved.bed.decibels[800])
+    assert "At 40.0 m the bed stands" in panel.view.sentence.text()
+    curves, area = panel.view.curves, panel.view.curves.area
+    place = QPoint(round(area.left() + 0.5 * area.width()), round(area.center().y()))
+    QTest.mouseMove(curves, place)
+    qtbot.waitUntil(lambda: "At 40.0 m" not in panel.view.sentence.text())
+    share = (place.x() - area.left()) / area.width()
+    assert f"At {share * scene.sonar.range:.1f} m" in panel.view.sentence.text()
+    before = panel._range
+    QTest.keyClick(curves, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
+    assert panel._range == pytest.approx(before + 0.1 * scene.sonar.range)
+    QTest.keyClick(curves, Qt.Key.Key_Left)
+    assert panel._range == pytest.approx(before + 0.09 * scene.sonar.range)
+    # The curves are painted.
+    assert np.unique(colours_of(curves.grab().toImage())[::2]).size > 12
+    curves.show_levels(None)
+    assert np.unique(colours_of(curves.grab().toImage())[20]).size == 1
+    # It follows the scene and the target, and has no levels of light.
+    before = groups(viewer)
+    viewer.panels["budget"].view._target.setValue(-5.0)
+    wait(viewer, qtbot)
+    assert groups(viewer)["target"].level == pytest.approx(before["target"].level + 15.0)
+    viewer.session.settle({"receiver.source_level": 200.0})
+    wait(viewer, qtbot)
+    assert groups(viewer)["bed"].level == pytest.approx(before["bed"].level + 10.0)
+    viewer.session.settle({"receiver.noise": "none", "receiver.reverberation": "none"})
+    wait(viewer, qtbot)
+    assert "the scene has no noise" in viewer.panels["budget"].view.sentence.text()
+    assert "noise" not in groups(viewer)
+    # The law of light has no levels.
+    viewer.session.settle({"sonar.law": "light"})
+    wait(viewer, qtbot)
+    view = viewer.panels["budget"].view
+    assert "no sonar equation" in view.sentence.text()
+    assert view.terms.groups == ()
+    view.curves.grab()

@@ -149,7 +149,9 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(open_viewer, small, tmp_path, monkeypatch):
+def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
+    open_viewer, small, tmp_path, qtbot, monkeypatch
+):
     viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
@@ -175,9 +177,16 @@ def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(open_v
     picked = str(path)
     pick(viewer, "seabed.relief.function.kind", "file")
     assert viewer.session.scene.seabed.relief.function.path == picked
+    # One ping and one bin are a record.
+    viewer.open(edit(small, {"sonar.bins": 1, "track.pings": 1}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    viewer.window.resize(880, 520)
+    viewer.run(True)
+    qtbot.wait(100)
+    assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
-def test_edits_are_refused_in_a_sentence_or_take_rows_and_other_values_along(viewer, small, qtbot):
+def test_edits_are_refused_take_rows_and_values_along_and_a_slider_without_effect_stands_aside(viewer, small, qtbot):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
     drag(viewer, "seabed.depth", 0).setSliderDown(False)
@@ -203,10 +212,8 @@ def test_edits_are_refused_in_a_sentence_or_take_rows_and_other_values_along(vie
     viewer.session.drag({"sonar.range": 60.0})
     assert viewer.session.scene.sonar.ping_rate == 10.0
     viewer.session.settle()
-
-
-def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
-    viewer = open_viewer(edit(small, {"seabed.material": {"name": "silt", "diffuse": 0.2, "specular": 0.0}}))
+    # A slider that changes nothing stands aside.
+    viewer.open(edit(small, {"seabed.material": {"name": "silt", "diffuse": 0.2, "specular": 0.0}}))
     row = number_row(viewer, "sonar.frequency")
     assert not row.slider.isEnabled()
     assert "changes nothing here" in row.slider.toolTip()
@@ -227,14 +234,6 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer, small):
     assert "it acts beside noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
     viewer.session.settle({"receiver.noise": "ambient"})
     assert number_row(viewer, "receiver.source_level").slider.isEnabled()
-
-
-def test_one_ping_one_bin(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
-    viewer.window.resize(880, 520)
-    viewer.run(True)
-    qtbot.wait(100)
-    assert picture_of(viewer.window.waterfall).shape[0] == 1
 
 
 def test_nothing_is_black_in_the_water_above_and_the_picture_is_saved(open_viewer, small, tmp_path, qtbot):

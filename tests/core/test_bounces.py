@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from beds import BOX_FACES, arrays_of, box_corners, icosphere, mesh_of, poses_of, rough
+from brute_force import strength
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter_strength, bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR
@@ -198,16 +199,13 @@ def circle_cut(image, sonar, centre, radius, law, mixed, arrays):
     if not mixed:
         r, cos_r = s, cos_s
     away = (((image - point) * ((sonar if mixed else image) - point)).sum(1)) / (s * r)
-    mirrored = np.maximum(2.0 * cos_s * cos_r - away, 0.0) ** SHINY[2]
     seen = (cos_s > 0.0) & (cos_r > 0.0)
-    ways = 2.0 if mixed else 1.0
     ranges = 0.5 * (s + r)
+    value = (2.0 if mixed else 1.0) * strength(cos_s, SHINY, law, other=cos_r, towards=away)
     if law == LIGHT:
-        value = SHINY[0] * (cos_s + cos_r) * ways / 2.0 + ways * SHINY[1] * mirrored
         value *= np.abs(np.gradient(ranges)) / arrays.bin_length
     else:
-        sigma = cos_s * cos_r / math.pi * (SHINY[0] + SHINY[1] * (SHINY[2] + 2.0) / 2.0 * mirrored)
-        value = ways * sigma * ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
+        value *= ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
     return np.bincount((ranges[seen] / arrays.bin_length).astype(int), value[seen], arrays.bins)[: arrays.bins]
 
 

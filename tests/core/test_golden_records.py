@@ -1,6 +1,7 @@
 """Records of the bundled scenes are what they were: bit for bit where the digests were taken, closely anywhere else.
 
-``pytest tests/core/test_golden_records.py --update-golden`` takes them anew.
+``pytest tests/core/test_golden_records.py --update-golden`` takes them anew. The record that comes with the
+package is that of the default scene.
 """
 
 import hashlib
@@ -13,6 +14,8 @@ import numba
 import numpy as np
 import pytest
 
+from insonify.display import example
+from insonify.display.normalisation import LevelBed
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
 
@@ -79,3 +82,23 @@ def test_a_record_is_what_it_was(name: str, request: pytest.FixtureRequest) -> N
     if golden["machine"] == machine():
         assert found["record"] == kept["record"]
         assert found["truth"] == kept["truth"]
+
+
+def test_the_example_is_the_record_of_the_default_scene_as_it_is_traced():
+    scene = load_scene("default")
+    shipped, pings = example.read_example(scene), np.arange(scene.track.pings)
+    assert shipped is not None, "run python docs/make example"
+    traced = LevelBed(prepare(scene)).amplitudes(pings)
+    assert shipped.shape == traced.shape
+    assert shipped.dtype == traced.dtype
+    off, whole = (np.linalg.norm(each, axis=(1, 2)) for each in (shipped - traced, traced))
+    assert off.max() <= 3e-6 * whole.min()  # by which processors may differ
+    assert ((shipped == 0.0) == (traced == 0.0)).all()
+    assert example.FILE.stat().st_size <= 2_000_000
+
+
+def test_the_example_stands_for_no_other_scene_or_version(monkeypatch):
+    scene = load_scene("default")
+    assert example.read_example(edit(scene, {"seed": scene.seed + 1})) is None
+    monkeypatch.setattr(example, "version", lambda _: "0.0")
+    assert example.read_example(scene) is None

@@ -21,7 +21,7 @@ lesson
 plan default
 relief default -o relief.png
 rays thermocline -o rays.png
-light default --set track.pings=8 -o light.png
+light pipe-on-bed --set seabed.relief=flat --set track.pings=8 -o light.png
 render default --set track.pings=8 -o new.nc
 render record.nc -o record.png
 compare record.nc record.nc -o compared.png

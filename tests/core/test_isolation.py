@@ -62,6 +62,7 @@ def fail(path: str) -> None:
 
 
 HOSTILE = ("json", "pickle", "queue", "threading")
+WITH_THIS_MODULE = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
 
 
 @pytest.fixture
@@ -89,12 +90,6 @@ def test_modules_of_the_current_folder_are_not_imported(file, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", ".")
     monkeypatch.setattr(sys, "path", ["", str(folder), *sys.path])
     assert not any(Path(found).is_relative_to(folder) for found in run_isolated(import_common, file))
-
-
-def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
-    with pytest.raises(FileFault, match="the library that reads it fails"):
-        run_isolated(crash, file)
-    assert run_isolated(chatter, file) == 3
 
 
 def test_a_loop_is_ended(file, monkeypatch):
@@ -141,8 +136,7 @@ def test_a_loop_ends_when_the_program_is_killed(file):
         "isolation.ChildProcess.receive_within = lambda self, seconds: self.receive()\n"
         "isolation.run_isolated(keep_busy, sys.argv[1])"
     )
-    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
-    with subprocess.Popen([sys.executable, "-c", lines, file], env=environment) as program:
+    with subprocess.Popen([sys.executable, "-c", lines, file], env=WITH_THIS_MODULE) as program:
         told = Path(f"{file}.process")
         wait_until(lambda: told.exists() and told.read_text().endswith("\n"))
         program.kill()
@@ -161,21 +155,28 @@ def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system has no limit for memory")
-def test_memory_is_limited_by_the_size_of_the_file(file):
-    with pytest.raises(RuntimeError, match="does not fit in memory"):
-        run_isolated(allocate, file)
+limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system has no limit for memory")
+
+
+@pytest.mark.parametrize(
+    ("reader", "error", "words"),
+    [
+        (crash, FileFault, "the library that reads it fails"),
+        pytest.param(allocate, RuntimeError, "does not fit in memory", marks=limited),  # by the size of the file
+        (refuse, SceneError, "^it is refused; mend it$"),
+        (fail, RuntimeError, "a name"),
+    ],
+)
+def test_a_fault_comes_back_and_the_next_file_is_read(file, reader, error, words):
+    with pytest.raises(error, match=words):
+        run_isolated(reader, file)
     assert run_isolated(chatter, file) == 3
 
 
-def test_errors_come_back_as_they_are(file):
-    with pytest.raises(SceneError, match=r"^it is refused; mend it$"):
-        run_isolated(refuse, file)
+def test_a_fault_of_a_file_keeps_its_remedy(file):
     with pytest.raises(FileFault) as caught:
         run_isolated(find_fault, file)
     assert (caught.value.fault, caught.value.remedy) == ("is odd", "even it")
-    with pytest.raises(RuntimeError, match="a name"):
-        run_isolated(fail, file)
 
 
 def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
@@ -233,8 +234,7 @@ def test_a_program_that_ends_leaves_no_process(file):
         "import sys; from insonify.io.isolation import run_isolated; from test_isolation import give\n"
         "print(run_isolated(give, sys.argv[1])['process'])"
     )
-    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
     command = [sys.executable, "-W", "error", "-c", lines, file]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=WITH_THIS_MODULE)
     assert done.stderr == ""
     assert not Path(f"/proc/{int(done.stdout)}").exists()

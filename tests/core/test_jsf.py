@@ -125,10 +125,7 @@ def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, less):
         (b"title = 'a scene'\n", "holds no JSF message at byte 0; copy or export it again"),
         (message(80, trace([1], 0))[:100], "ends within the packet at byte 0, before one ping is whole; copy it again"),
         (message(80, bytes(100)), "has a ping too short for its header; export it again"),
-        (
-            message(80, trace([1], format=2)),
-            "has data of format 2 in ping 0, which is not an envelope; export it",
-        ),
+        (message(80, trace([1], format=2)), "has data of format 2 in ping 0, which is not an envelope; export it"),
         (message(80, trace([1])[:-2]), "has a ping with less than the 1 samples it announces; export it again"),
         (message(80, trace([1], interval=0)), "has no sampling interval of ping 0; export it again"),
         (message(80, trace([1], skipped=2**31)), "has no sampling interval of ping 0; export it again"),

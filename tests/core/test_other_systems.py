@@ -18,7 +18,7 @@ from small_sets import SET
 
 ROOT = Path(__file__).parents[2]
 CHECKS = ROOT / "tests" / "imitated" / "checks.py"
-MODES = {"r", "w", "a", "x", "w+"}
+MODES, OPENERS = {"r", "w", "a", "x", "w+"}, ("open", "fdopen", "TemporaryFile")
 OTHERS = ("archive", "rasterio", "tarfile", "RECORDS")  # what these open is no text
 
 
@@ -26,10 +26,11 @@ def opened_texts(tree: ast.Module):
     """Calls that open text: line, whether it is written, and the names of arguments."""
     for node in ast.walk(tree):
         called = getattr(node, "func", None)
-        if not isinstance(called, (ast.Attribute, ast.Name)):
+        name = getattr(called, "attr", getattr(called, "id", None))
+        if name not in (*OPENERS, "read_text", "write_text"):
             continue
-        owner, _, name = ast.unparse(called).rpartition(".")
-        opens = name in ("open", "fdopen", "TemporaryFile") and owner not in OTHERS
+        owner = ast.unparse(called.value) if isinstance(called, ast.Attribute) else ""
+        opens = name in OPENERS and owner not in OTHERS
         given = [argument.value for argument in node.args if isinstance(argument, ast.Constant)]
         mode = next((mode for mode in given if opens and mode in MODES), None)
         if mode or (owner and name in ("read_text", "write_text")):

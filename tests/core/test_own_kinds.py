@@ -35,25 +35,22 @@ def _known():
         yield
 
 
-def test_a_hoop_is_placed_and_measured():
-    scene = own_scene()
-    mesh = prepare(scene).arrays.mesh
-    low, high = mesh.corners.min(axis=(0, 1)), mesh.corners.max(axis=(0, 1))
-    np.testing.assert_allclose([low, high], [[2.5, 15.5, 0.0], [7.5, 20.5, 1.0]], atol=1e-9)
-    outline = outline_of(scene, 0)
-    assert outline.triangles == len(mesh.corners)
-    assert outline.extent((1.0, 0.0, 0.0)) == pytest.approx(2.5)
-    assert outline.radius == pytest.approx(math.hypot(2.5, 2.5, 0.5))
-
-
-def test_a_dumbbell_is_placed_and_measured():
-    scene = own_scene("dumbbell")
-    solids = prepare(scene).arrays.solids
-    np.testing.assert_allclose(solids.start[:, :2] - [5.0, 18.0], [[-1.5, 0.0], [-1.5, 0.0], [1.5, 0.0]])
-    np.testing.assert_allclose(solids.start[:, 2], 0.6)
-    outline = outline_of(scene, 0)
-    assert outline.radius == pytest.approx(2.1)
-    assert [outline.extent(axis) for axis in np.eye(3)] == pytest.approx([2.1, 0.6, 0.6])
+@pytest.mark.parametrize(
+    ("kind", "radius", "extents"),
+    [("hoop", math.hypot(2.5, 2.5, 0.5), [2.5, 2.5, 0.5]), ("dumbbell", 2.1, [2.1, 0.6, 0.6])],
+)
+def test_a_shape_is_placed_and_measured(kind, radius, extents):
+    scene = own_scene(kind)
+    arrays, outline = prepare(scene).arrays, outline_of(scene, 0)
+    assert outline.radius == pytest.approx(radius)
+    assert [outline.extent(axis) for axis in np.eye(3)] == pytest.approx(extents)
+    if kind == "hoop":
+        corners = arrays.mesh.corners
+        found = [corners.min(axis=(0, 1)), corners.max(axis=(0, 1))]
+        np.testing.assert_allclose(found, [[2.5, 15.5, 0.0], [7.5, 20.5, 1.0]], atol=1e-9)
+        assert outline.triangles == len(corners)
+    else:
+        np.testing.assert_allclose(arrays.solids.start - [5.0, 18.0, 0.6], [[-1.5, 0, 0], [-1.5, 0, 0], [1.5, 0, 0]])
 
 
 @pytest.mark.parametrize("kind", ["hoop", "dumbbell"])
@@ -233,15 +230,11 @@ def test_all_of_them_go_through_files_commands_and_records(tmp_path: Path):
     assert main(["plan", *words]) == 0
     with xr.open_dataset(tmp_path / "own.nc") as record:
         kept = scene_from_toml(record.attrs["scene"])
-        assert kept.seabed.relief.wavelength == 3.0
-        assert kept.sonar.pulse.time == 1e-4
-        assert kept.targets[0].tube == 0.8
+        found = kept.seabed.relief.wavelength, kept.sonar.pulse.time, kept.targets[0].tube
+        assert found == (3.0, 1e-4, 0.8)
         assert (record.intensity.values > 0.0).any()
     for path in ("sonar.beam.width", "targets.0.tube"):
         with pytest.raises(SceneError, match=rf"{path}: -1 is out of bounds"):
             edit(scene, {path: -1})
-
-
-def test_kinds_of_others_stand_behind_those_of_the_package():
     with pytest.raises(SceneError, match=r"choose one of knife, fan, gaussian, array, parabola$"):
-        scene_of(sonar__beam="nonsense")
+        scene_of(sonar__beam="nonsense")  # kinds of others stand behind those of the package

@@ -102,13 +102,9 @@ def test_each_thread_makes_its_own_room_once():
 
 def test_arguments_and_the_variable_limit_threads(monkeypatch):
     monkeypatch.setenv(cores.VARIABLE, "3")
-    assert count_threads() == 3
-    assert count_threads(2) == 2
-    assert count_threads(8) == 3
+    assert [count_threads(), count_threads(2), count_threads(8)] == [3, 2, 3]
     with limited_threads(2):
-        assert count_threads() == 2
-        assert count_threads(1) == 1
-        assert count_threads(3) == 2
+        assert [count_threads(), count_threads(1), count_threads(3)] == [2, 1, 2]
         with limited_threads(None):
             assert count_threads() == 2
     assert count_threads() == 3
@@ -157,14 +153,13 @@ def test_the_quota_of_control_groups_counts(monkeypatch, tmp_path, groups, files
     assert cores.usable_cores() == min(64, quota if quota != 1.5 else 2)
 
 
-def test_a_worker_process_takes_one_thread_unless_told_otherwise(monkeypatch):
-    for value, threads in ((None, 1), ("2", 2)):
-        if value is None:
-            monkeypatch.delenv(cores.VARIABLE, raising=False)
-        else:
-            monkeypatch.setenv(cores.VARIABLE, value)
-        with multiprocessing.get_context("spawn").Pool(1) as pool:
-            assert pool.apply(count_threads) == threads
+@pytest.mark.parametrize(("value", "threads"), [(None, 1), ("2", 2)])
+def test_a_worker_process_takes_one_thread_unless_told_otherwise(monkeypatch, value, threads):
+    monkeypatch.delenv(cores.VARIABLE, raising=False)
+    if value:
+        monkeypatch.setenv(cores.VARIABLE, value)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(count_threads) == threads
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
@@ -197,8 +192,7 @@ def test_one_item_ahead_is_made_meanwhile():
             time.sleep(0.001)
         time.sleep(0.01)  # for one made too early
         seen.append((item, len(made)))
-    assert [item for item, _ in seen] == list(range(5))
-    assert [count for _, count in seen] == [2, 3, 4, 5, 5]
+    assert seen == [(0, 2), (1, 3), (2, 4), (3, 5), (4, 5)]
 
 
 def test_an_error_of_the_maker_comes_after_the_items_before_it():
@@ -223,9 +217,9 @@ def test_a_caller_that_is_interrupted_does_not_wait_for_the_item(monkeypatch, ki
     def interrupted(future):
         raise kind
 
+    began = time.perf_counter()
     with monkeypatch.context() as patched:
         patched.setattr(Future, "result", interrupted)
-        began = time.perf_counter()
         with pytest.raises(kind):
             next(one_ahead(items()))
     assert time.perf_counter() - began < PATIENCE  # not an hour

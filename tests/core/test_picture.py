@@ -177,13 +177,10 @@ def test_ground_range_puts_an_echo_where_the_bed_is():
 def test_a_sheet_does_not_depend_on_the_blocks():
     whole = record(np.random.default_rng(2).random((2, 50, BINS)))
     curve = np.linspace(2.0, 1.0, BINS)
-    at_once = gather_sheet([whole], even(curve), 50, DisplayOptions())
     parts = [whole.isel(ping_time=slice(a, b)) for a, b in ((0, 7), (7, 8), (8, 50))]
-    in_parts = gather_sheet(parts, even(curve), 50, DisplayOptions())
+    at_once, in_parts = (gather_sheet(blocks, even(curve), 50, DisplayOptions()) for blocks in ([whole], parts))
     np.testing.assert_array_equal(at_once.amplitude, in_parts.amplitude)
-    assert at_once.along == pytest.approx(10.0)
-    assert in_parts.along == pytest.approx(10.0)
-    assert at_once.reach == pytest.approx(REACH)
+    assert (at_once.along, in_parts.along, at_once.reach) == pytest.approx((10.0, 10.0, REACH))
 
 
 def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
@@ -198,10 +195,8 @@ def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
 
 
 def test_ground_range_needs_a_bed_within_range():
-    with pytest.raises(
-        SceneError,
-        match=r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave",
-    ):
+    said = r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave"
+    with pytest.raises(SceneError, match=said):
         gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
 
 
@@ -215,25 +210,19 @@ def test_ground_range_shows_no_water_column():
     assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
 
 
-@pytest.mark.parametrize(
-    "look",
-    [
-        DisplayOptions(),
-        DisplayOptions(side="starboard", palette="pen", gain=3.0),
-        DisplayOptions(ground_range=True, palette="viridis"),
-    ],
-)
+LOOKS = {"side": "starboard", "palette": "pen", "gain": 3.0}, {"ground_range": True, "palette": "viridis"}
+
+
+@pytest.mark.parametrize("look", [DisplayOptions(), *(DisplayOptions(**changes) for changes in LOOKS)])
 def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
     sheet = gather_sheet([record(np.random.default_rng(3).random((2, 30, BINS)))], even(), 30, look)
     write_page(tmp_path / "page.png", sheet, look, caption_scene(load_scene("default"), look))
     with Image.open(tmp_path / "page.png") as picture:
         pixels = np.asarray(picture.convert("RGB"))
-    rows, columns = sheet.amplitude.shape
     shown = colour_amplitudes(sheet.amplitude, look)
-    at = (92 + 20, 86 + 20)
-    np.testing.assert_array_equal(pixels[at[0] : at[0] + 40, at[1] : at[1] + 300], shown[20:60, 20:320])
-    assert pixels.shape[0] > rows
-    assert pixels.shape[1] > columns
+    top, left = 92 + 20, 86 + 20
+    np.testing.assert_array_equal(pixels[top : top + 40, left : left + 300], shown[20:60, 20:320])
+    assert (pixels.shape[:2] > np.array(sheet.amplitude.shape)).all()
 
 
 @pytest.mark.parametrize("title", ["a $b_c and $ more", "深海 ∑", "x" * 200, ""])
@@ -247,10 +236,7 @@ def test_any_title_can_be_drawn(tmp_path, title):
 def test_the_summary_names_what_was_set():
     scene = edit(load_scene("default"), {"sonar.beam": "knife", "sonar.law": "light", "track.altitude": 12})
     line = caption_scene(scene, DisplayOptions(gain=6.0)).line
-    assert "altitude 12 m" in line
-    assert "knife-edge beam" in line
-    assert "law light" in line
-    assert "gain +6 dB" in line
+    assert all(said in line for said in ("altitude 12 m", "knife-edge beam", "law light", "gain +6 dB"))
     assert "vertical" not in line
     tilted = edit(scene, {"sonar.vertical": {"kind": "gaussian", "width": 45.0, "tilt": 20.0}})
     assert "vertical gaussian 45° tilted 20°" in caption_scene(tilted, DisplayOptions()).line
@@ -258,8 +244,9 @@ def test_the_summary_names_what_was_set():
 
 def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():
     for place, text in place_decibel_ticks((0.1, 2.0), gain=6.0):
-        amplitude = 0.1 + place * 1.9
-        assert 20 * np.log10(amplitude) - 6.0 == pytest.approx(float(text.replace("−", "-")))
+        assert 20 * np.log10(0.1 + place * 1.9) - 6.0 == pytest.approx(float(text.replace("−", "-")))
+    for place, text in place_decibel_ticks((0.1, 1.0), gain=0.0, decibels=True):
+        assert place == pytest.approx(1.0 + float(text.replace("−", "-")) / 20.0)
 
 
 def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
@@ -305,24 +292,19 @@ def test_without_water_a_picture_begins_at_the_first_echo_of_each_ping() -> None
 
 
 def test_gains_of_a_side_and_over_range() -> None:
-    look = DisplayOptions(side_gains=(6.0, 0.0), side_slopes=(0.0, 20.0))
-    factors = side_factors(look, 1000)
-    assert factors is not None
+    factors = side_factors(DisplayOptions(side_gains=(6.0, 0.0), side_slopes=(0.0, 20.0)), 1000)
     np.testing.assert_allclose(factors[0], 10.0**0.3, rtol=1e-6)
     np.testing.assert_allclose(20.0 * np.log10(factors[1, [49, 499, 999]]), [-20.0, 0.0, 6.02], atol=0.1)
     assert side_factors(DisplayOptions(), 1000) is None
 
 
-def test_a_palette_linear_in_decibels() -> None:
+def test_a_palette_linear_in_decibels_and_one_turned_round() -> None:
     tones = map_tones(np.array([0.0, 0.01, 0.1, 1.0, 9.0], np.float32), (0.0, 1.0), decibels=True)
     assert tones.tolist() == [0, 0, 128, 255, 255], "40 dB below the upper end at most"
     assert map_tones(np.array([0.1, 0.316, 1.0], np.float32), (0.1, 1.0), decibels=True).tolist() == [0, 127, 255]
-    upright, turned = (
-        colour_amplitudes(np.eye(2, dtype=np.float32), DisplayOptions(reverse=r), (0.0, 1.0)) for r in (0, 1)
-    )
+    steps = np.eye(2, dtype=np.float32)
+    upright, turned = (colour_amplitudes(steps, DisplayOptions(reverse=r), (0.0, 1.0)) for r in (False, True))
     assert (upright == turned[::-1]).all()
-    for place, text in place_decibel_ticks((0.1, 1.0), gain=0.0, decibels=True):
-        assert place == pytest.approx(1.0 + float(text.replace("−", "-")) / 20.0)
 
 
 @pytest.mark.parametrize("colours", [2, 256, 6121])
@@ -382,33 +364,21 @@ ALL_CHANGED = DisplayOptions(
 )
 
 
-def test_every_option_is_read_back() -> None:
+def test_every_option_is_read_back_and_a_whole_number_passes_for_a_gain() -> None:
     usual = DisplayOptions()
     assert all(one != other for one, other in zip(ALL_CHANGED, usual))
     assert DisplayOptions(**read_display(display_settings(ALL_CHANGED))) == ALL_CHANGED
     assert display_settings(usual) == []
+    assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
 
 
-@pytest.mark.parametrize(
-    "setting",
-    [
-        "colour=red",
-        'palette="mauve"',
-        "reverse=1",
-        "gain=true",
-        "gain=nan",
-        "levels=[1]",
-        'side_gains=[0, "a"]',
-        "water_column",
-    ],
-)
+MISTAKES = ("colour=red", 'palette="mauve"', "reverse=1", "gain=true", "gain=nan", "levels=[1]", "water_column")
+
+
+@pytest.mark.parametrize("setting", [*MISTAKES, 'side_gains=[0, "a"]'])
 def test_a_mistake_names_option_and_value(setting: str) -> None:
     with pytest.raises(SceneError, match=f"--display .*{setting.split('=')[0]}"):
         read_display([setting])
-
-
-def test_a_whole_number_passes_for_a_gain() -> None:
-    assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
 
 
 def test_the_command_draws_by_the_options(tmp_path: Path) -> None:

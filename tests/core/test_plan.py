@@ -1,11 +1,16 @@
-"""Plans: what is chosen, said and kept, choices that are forced upon them, and the pings on which they measure."""
+"""Plans: what is chosen, said and kept, of any scene too, what is forced, and the pings on which they measure."""
 
 import math
 import re
+from functools import lru_cache
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
 
+from drawn_scenes import scenes
 from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
@@ -13,13 +18,14 @@ from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import Case
 from insonify.planning.probe import FEW, MOST, add_loud_pings, trace_model
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings, spread_over_track
-from insonify.planning.selection import choose_model
-from insonify.scene import SceneError, edit, load_scene
+from insonify.planning.selection import check_request, choose_for_case, choose_model
+from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 from insonify.tracers import sweep
+from random_scenes import planned_scene
 
 DEFAULT = load_scene("default")
 THERMOCLINE = {"water": {"kind": "profile", "depth": [0.0, 14.0, 22.0], "sound_speed": [1510.0, 1510.0, 1500.0]}}
@@ -39,26 +45,23 @@ def test_a_knife_or_a_bed_without_detail_needs_one_plane():
     assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 1
 
 
+GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
+
+
 @pytest.mark.parametrize(
-    ("less", "more"),
+    ("less", "more", "setting"),
     [
-        ({}, {"sonar.beam.width": 2.5}),
-        ({}, {"sonar.range": 74.0}),
-        ({}, {"seabed.relief.beta": 1.0}),
-        ({}, {"seabed.relief.rms": 0.2}),
-        ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}),
+        ({}, {"sonar.beam.width": 2.5}, "planes"),
+        ({}, {"sonar.range": 74.0}, "planes"),
+        ({}, {"seabed.relief.beta": 1.0}, "planes"),
+        ({}, {"seabed.relief.rms": 0.2}, "planes"),
+        ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}, "planes"),
+        (GLINT, {"targets.0.material": "steel"}, "across"),
     ],
 )
-def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
+def test_more_detail_across_a_wider_beam_and_a_glint_need_more_planes(less, more, setting):
     before = edit(BARE, less)
-    assert plan(edit(before, more)).planes > plan(before).planes
-
-
-def test_a_glint_needs_more_planes_across_its_target():
-    dull = edit(
-        BARE, {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
-    )
-    assert plan(edit(dull, {"targets.0.material": "steel"})).model.across > plan(dull).model.across
+    assert getattr(plan(edit(before, more)).model, setting) > getattr(plan(before).model, setting)
 
 
 def test_planes_between_two_doublings_are_judged_by_twice_as_many():
@@ -102,14 +105,6 @@ def test_too_few_planes_comb_a_small_target_and_the_plan_lays_more_across_it():
     few, planned = (sweep.trace(simulation.arrays, poses, **each)[:, 0, echo].sum(axis=1) for each in settings)
     bed = sweep.trace(prepare(edit(scene, {"targets": []})).arrays, poses)[0, 0, echo].sum()
     assert (few / bed - 1.0).std() > 5.0 * (planned / bed - 1.0).std()
-
-
-def test_the_cost_of_a_ping_includes_its_scatterers():
-    """Blocks of pings that the viewer traces between two looks at what is asked are cut by it."""
-    dense = edit(DEFAULT, {"receiver.speckle": "coherent", "receiver.speckle.density": 2e4})
-    made = plan(dense)
-    waves = made.entry("speckle").cost
-    assert waves > 10.0 * (made.cost - waves) > 0.0
 
 
 @pytest.mark.parametrize("method", ["sweep", "march", "rays"])
@@ -165,11 +160,13 @@ SECTION = {
 }
 
 
+WRONG_TOLERANCE = r"^tolerance: .* give a share such as 0\.03$"
+
+
 @pytest.mark.parametrize(
     ("changes", "options", "sentence"),
     [
-        *(({}, {"tolerance": share}, r"^tolerance: .* give a share such as 0\.03$") for share in (0.0, -0.1)),
-        *(({}, {"tolerance": share}, r"^tolerance: .* give a share such as 0\.03$") for share in (math.nan, math.inf)),
+        *(({}, {"tolerance": share}, WRONG_TOLERANCE) for share in (0.0, -0.1, math.nan, math.inf)),
         *(
             (COHERENT, {"method": method}, rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$")
             for method in ("march", "rays")
@@ -177,6 +174,20 @@ SECTION = {
         (COHERENT | {"sonar.bounces": 2}, {}, r"^receiver\.speckle: 'coherent' .*sonar\.bounces is 2\); take"),
         (COHERENT | THERMOCLINE, {}, r"^receiver\.speckle: 'coherent' sums waves along straight paths.*'uniform'$"),
         (SECTION, {"method": "sweep"}, r"^method: 'sweep' refracts sound by depth only.*take rays$"),
+        (
+            {},
+            {"forced": {"colour": "red"}},
+            r"^model: 'colour' is not a choice of a plan; choose one of method, planes, ",
+        ),
+        ({}, {"forced": {"planes": "many"}}, r"^model planes: 'many' is not valid; give a whole number from 1 to 512$"),
+        ({}, {"forced": {"planes": "2.5"}}, r"^model planes: '2.5' is not valid; give a whole number from 1 to 512$"),
+        ({}, {"forced": {"step": "nan"}}, r"^model step: 'nan' is not valid; give a number from 1e-06 to 10000$"),
+        ({}, {"forced": {"targets": "some"}}, r"^model targets: 'some' is not known; choose one of on, off$"),
+        (
+            {},
+            {"forced": {"method": "magic"}},
+            r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$",
+        ),
     ],
 )
 def test_what_cannot_be_planned_is_refused(changes, options, sentence):
@@ -184,10 +195,19 @@ def test_what_cannot_be_planned_is_refused(changes, options, sentence):
         plan(edit(DEFAULT, changes), **options)
 
 
-def test_scatterers_that_interfere_are_swept_and_water_that_differs_along_the_level_is_for_rays():
-    coherent = plan(edit(DEFAULT, COHERENT))
-    assert coherent.method == "sweep"
-    assert coherent.entry("speckle").choice == "scatterers"
+def test_a_tow_that_never_comes_near_the_bed_is_refused():
+    away = edit(load_scene("real-bed"), {"track.start": [900.0, 0.0], "track.pings": 4})
+    sentence = r"^track\.start: .* never comes within 75 m of the bed.*start it over the bed$"
+    with pytest.raises(SceneError, match=sentence):
+        prepare(away)
+
+
+def test_scatterers_that_interfere_are_swept_at_their_cost_and_water_that_differs_along_the_level_is_for_rays():
+    """Blocks of pings that the viewer traces between two looks at what is asked are cut by the cost of a ping."""
+    coherent = plan(edit(DEFAULT, COHERENT | {"receiver.speckle.density": 2e4}))
+    waves = coherent.entry("speckle")
+    assert (coherent.method, waves.choice) == ("sweep", "scatterers")
+    assert waves.cost > 10.0 * (coherent.cost - waves.cost) > 0.0
     assert plan(edit(DEFAULT, SECTION)).method == "rays"
 
 
@@ -198,14 +218,6 @@ def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on(usual):
     assert f"up to {0.2 / (2 * math.sin(math.radians(0.5))):.3g} m" in near
     dense = edit(DEFAULT, {"track.speed": 1.0})
     assert not any(line.startswith("pings") for line in plan(dense).lines())
-
-
-def test_a_tow_that_never_comes_near_the_bed_is_refused():
-    away = edit(load_scene("real-bed"), {"track.start": [900.0, 0.0], "track.pings": 4})
-    with pytest.raises(
-        SceneError, match=r"^track\.start: .* never comes within 75 m of the bed.*start it over the bed$"
-    ):
-        prepare(away)
 
 
 def test_sound_that_bends_is_followed_and_what_it_matters_is_said(usual):
@@ -288,22 +300,6 @@ def test_for_what_is_forced_nothing_else_is_finer(scene, forced):
     assert made.planes == (1 if "planes" in forced else usual.planes)
     assert made.model.misplaced == usual.model.misplaced
     assert made.model.every == int(forced.get("spacing", usual.model.every))
-
-
-@pytest.mark.parametrize(
-    ("forced", "sentence"),
-    [
-        ({"colour": "red"}, r"^model: 'colour' is not a choice of a plan; choose one of method, planes, "),
-        ({"planes": "many"}, r"^model planes: 'many' is not valid; give a whole number from 1 to 512$"),
-        ({"planes": "2.5"}, r"^model planes: '2.5' is not valid; give a whole number from 1 to 512$"),
-        ({"step": "nan"}, r"^model step: 'nan' is not valid; give a number from 1e-06 to 10000$"),
-        ({"targets": "some"}, r"^model targets: 'some' is not known; choose one of on, off$"),
-        ({"method": "magic"}, r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$"),
-    ],
-)
-def test_what_is_no_choice_is_refused(forced, sentence):
-    with pytest.raises(SceneError, match=sentence):
-        plan(DEFAULT, forced=forced)
 
 
 def test_what_is_forced_off_is_not_heard():
@@ -427,3 +423,86 @@ def test_a_face_that_glints_into_few_pings_is_among_them(tmp_path):
 def test_a_level_bed_has_no_loud_pings():
     packed = pack(edit(BARE, {"seabed.relief": "flat"}))
     assert (add_loud_pings(packed, chosen(packed.scene)).all == chosen(packed.scene).all).all()
+
+
+TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)
+LONGEST = 100.0  # range of a drawn scene, in spacings of the grid
+
+
+def drawn(values):
+    """A drawn scene of short range, in which a plan has the same choices as in a long one, for less work."""
+    values["sonar"]["range"] = min(values["sonar"]["range"], LONGEST * values["seabed"]["spacing"])
+    try:
+        return Scene.model_validate(values)
+    except (ValidationError, SceneError):
+        assume(False)
+
+
+@lru_cache(maxsize=8)  # scenes are drawn more than once
+def case_of(scene):
+    """What is measured of a scene, which does not depend on the tolerance."""
+    check_request(scene, 0.03, "auto", {})
+    return Case(pack(scene), "auto", {})
+
+
+def planned(scene, tolerance):
+    try:
+        return choose_for_case(case_of(scene), tolerance)
+    except SceneError:
+        assume(False)
+
+
+@pytest.mark.parametrize("count", [2, pytest.param(40, marks=pytest.mark.slow)])
+def test_more_tolerance_never_means_more_work(count):
+    @settings(
+        max_examples=count,
+        suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+        phases=[Phase.generate],  # scenes take minutes to shrink
+        deadline=None,
+    )
+    @given(scenes(), TOLERANCES, TOLERANCES)
+    def compare(values, one, other):
+        scene = drawn(values)
+        fine, coarse = (planned(scene, tolerance) for tolerance in sorted((one, other)))
+        assert coarse.work <= fine.work
+
+    compare()
+
+
+@pytest.mark.parametrize("seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 40))])
+def test_a_plan_of_a_rough_bed(seed, tmp_path):
+    """It works less the more it tolerates, whatever was measured before; it says and adds up all that it chooses."""
+    scene, _ = planned_scene(seed, tmp_path)
+    tolerances = np.geomspace(0.01, 0.5, 12)
+    plans = [planned(scene, tolerance) for tolerance in tolerances]
+    work = [made.work for made in plans]
+    assert work == sorted(work, reverse=True)
+    chosen = plan(scene)
+    assert planned(scene, 0.03).model == chosen.model
+    assert chosen.error == pytest.approx(math.sqrt(sum(entry.error**2 for entry in chosen.entries)))
+    assert chosen.cost > 0.0
+    assert sum(each.cost for each in chosen.entries if each.modelled) == pytest.approx(chosen.cost)
+    assert len({entry.subject for entry in chosen.entries}) == len(chosen.entries)
+    for entry in chosen.entries:
+        assert entry.choice
+        assert entry.reason
+        assert entry.error >= 0.0
+        assert entry.cost >= 0.0
+        if entry.modelled is False:
+            assert entry.options
+    share = chosen.model.misplaced
+    forced = {"planes": str(chosen.planes), "spacing": str(chosen.model.every), "method": chosen.method}
+    forced["segments"] = "whole" if math.isinf(share) else str(share)
+    forced["target_planes"] = str(chosen.model.across)
+    again = plan(scene, forced=forced)
+    assert again.settings == chosen.settings
+    assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
+    assert again.work == chosen.work
+
+
+def test_a_plain_scene_is_traced_by_the_bare_sweep():
+    simulation = prepare(edit(BARE, {"sonar.beam": "knife"}))
+    assert (simulation.plan.method, simulation.plan.settings) == ("sweep", {"planes": 1})
+    bare = simulation.reduced
+    assert (bare.water.bent, bare.multipath.enabled, bare.bounces, bare.solids.shape.size) == (False, False, 0, 0)
+    assert bare.bed.heights is simulation.arrays.bed.heights

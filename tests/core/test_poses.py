@@ -185,15 +185,20 @@ def test_a_recorded_tow_is_interpolated(tmp_path, case):
         np.testing.assert_allclose(column if name in "xyz" else np.degrees(column), values, atol=1e-12, err_msg=name)
 
 
+def test_a_compass_counts_clockwise_from_north(tmp_path):
+    found = poses(csv(tmp_path, "time,compass\n0,350\n2,10\n"), [0, 10, 20])  # through north, half of the turn at 1 s
+    assert np.degrees(found.heading) % 360.0 == pytest.approx([100.0, 90.0, 80.0])
+
+
 def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
-    pings = np.arange(40)
-    plain, found = poses("straight", pings), poses(csv(tmp_path, "time,roll\n0,0\n10,10\n"), pings)
-    np.testing.assert_array_equal(found.x, plain.x)
-    np.testing.assert_array_equal(found.z, plain.z)
+    pings, recorded = np.arange(40), csv(tmp_path, "time,roll\n0,0\n10,10\n")
+    plain, heaving, found, both = (
+        poses(motion, pings) for motion in ("straight", "heave", recorded, sum_of(recorded, "heave"))
+    )
     np.testing.assert_allclose(np.degrees(found.roll), pings / 10.0)
-    with_heave = poses(sum_of(csv(tmp_path, "time,roll\n0,0\n10,10\n"), "heave"), pings)
-    np.testing.assert_array_equal(with_heave.roll, found.roll)
-    np.testing.assert_array_equal(with_heave.z, poses("heave", pings).z)
+    pairs = (found.x, plain.x), (found.z, plain.z), (both.roll, found.roll), (both.z, heaving.z)
+    for one, other in pairs:
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_recorded_altitude_counts_from_the_bed_beneath(tmp_path):
@@ -242,11 +247,6 @@ def test_a_bad_file_is_one_sentence(tmp_path, text, words):
     motion = csv(tmp_path, text) if words else {"kind": "recorded", "path": str(tmp_path / text)}
     with pytest.raises(SceneError, match=rf"^track\.motion\.path: [^\n]*{words}[^\n]*; [^\n]+$"):
         poses(motion, [0])
-
-
-def test_a_compass_counts_clockwise_from_north(tmp_path):
-    found = poses(csv(tmp_path, "time,compass\n0,350\n2,10\n"), [0, 10, 20])  # through north, half of the turn at 1 s
-    assert np.degrees(found.heading) % 360.0 == pytest.approx([100.0, 90.0, 80.0])
 
 
 def test_two_cannot_have_a_say_in_one_thing(tmp_path):
@@ -324,26 +324,17 @@ SHALLOW = edit(
 )
 
 
-def place_over(scene):
-    ground = build_ground(scene)
-    placed = make_poses(scene, ground, np.arange(40))
-    return placed, np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
-
-
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
-    scene, pings = SHALLOW, np.arange(40)
-    _, inside = place_over(scene)
+    ground, pings = build_ground(SHALLOW), np.arange(40)
+    placed = make_poses(SHALLOW, ground, pings)
+    inside = np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
     assert 0 < inside.size < 40
     with pytest.raises(SceneError, match=rf"^track.altitude: at ping {inside[0]} the sonar is .* m below the bed; "):
-        simulate(scene)
-    clear = np.setdiff1d(pings, inside)[:3]
-    assert prepare(scene).intensity(clear).sum() > 0.0
+        simulate(SHALLOW)
+    assert prepare(SHALLOW).intensity(np.setdiff1d(pings, inside)[:3]).sum() > 0.0
     with pytest.raises(SceneError, match=rf"at ping {inside[-1]} "):
-        prepare(scene).intensity(inside[-1:])
-
-
-def test_a_track_wholly_below_the_bed_is_refused_when_it_is_planned():
-    placed, inside = place_over(SHALLOW)
+        prepare(SHALLOW).intensity(inside[-1:])
+    # A track wholly below the bed is refused when it is planned.
     start = [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
     with pytest.raises(SceneError, match=r"^track.altitude: at ping 0 the sonar is .* m below the bed; "):
         plan(edit(SHALLOW, {"track.pings": 1, "track.start": start}))

@@ -182,12 +182,12 @@ NOISE = {"receiver.noise": {"kind": "ambient", "level": 0.0}}
 @pytest.mark.parametrize("changes", [{}, {"receiver.speckle": "rayleigh"}, WAVES, NOISE, WAVES | NOISE])
 def test_a_stage_that_is_declared_acts_in_its_place(attenuator, changes):
     scene = edit(load_scene("default"), {"track.pings": 8, "receiver.tvg": "power", **changes})
-    traced = np.random.default_rng(1).random((8, 2, 300), np.float32)
     whole = reception(scene, 300, SONAR)
     assert [stage.name for stage in whole.stages][-2:] == ["cable", "time-varied gain"]
     without = replace(whole, stages=tuple(stage for stage in whole.stages if not isinstance(stage, attenuator)))
-    pings = np.arange(8)
-    np.testing.assert_allclose(receive(whole, traced, pings), 0.5 * receive(without, traced, pings), rtol=1e-5)
+    traced = np.random.default_rng(1).random((8, 2, 300), np.float32)
+    one, other = (receive(each, traced, np.arange(8)) for each in (whole, without))
+    np.testing.assert_allclose(one, 0.5 * other, rtol=1e-5)
     np.testing.assert_allclose(whole.expected(np.ones(300)), 0.5 * without.expected(np.ones(300)))
 
 

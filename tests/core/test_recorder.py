@@ -22,11 +22,6 @@ def ready(bins=BINS, **changes):
     return reception(bins, BIN_LENGTH, **level, **{"sonar__pulse": "ideal"} | changes)
 
 
-def arrays(bins=BINS):
-    flat = np.zeros((4, 4))
-    return arrays_of(flat, bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(0.5), spreading=True)
-
-
 def even(pings=4, bins=BINS, energy=1e-6):
     return np.full((pings, 2, bins), energy, np.float32)
 
@@ -72,18 +67,20 @@ def test_bits_round_the_amplitude_to_steps_of_full_scale(bits):
 
 @pytest.mark.parametrize("bits", [8, 16])
 def test_left_out_full_scale_holds_a_perfect_level_bed(bits):
-    loudest = flat_bed_curve(arrays(), ALTITUDE).max()
+    options = {"bins": BINS, "bin_length": BIN_LENGTH, "half_width": math.radians(0.5), "spreading": True}
+    loudest = flat_bed_curve(arrays_of(np.zeros((4, 4)), **options), ALTITUDE).max()
     # The least power of two as step that holds it: up to 6 dB of headroom.
     step = 2.0 ** math.ceil(math.log2(math.sqrt(loudest) / (2**bits - 1)))
     full_scale = ((2**bits - 1) * step) ** 2
     assert loudest <= full_scale <= 4.0 * loudest
-    changes = {"receiver__recorder__bits": bits}
-    np.testing.assert_allclose(of(even(energy=10.0 * full_scale), **changes), full_scale, rtol=1e-6)
     # It follows source and time-varied gain; a gain of the recorder's own brings the record to clip.
-    louder = of(even(energy=0.5 * loudest), receiver__source_level=20.0, **changes)
-    np.testing.assert_allclose(louder, 50.0 * loudest, rtol=0.015)
-    clipped = of(even(energy=0.5 * full_scale), receiver__recorder__gain=6.0, **changes)
-    np.testing.assert_allclose(clipped, full_scale, rtol=1e-6)
+    for energy, changes, expected, rtol in (
+        (10.0 * full_scale, {}, full_scale, 1e-6),
+        (0.5 * loudest, {"receiver__source_level": 20.0}, 50.0 * loudest, 0.015),
+        (0.5 * full_scale, {"receiver__recorder__gain": 6.0}, full_scale, 1e-6),
+    ):
+        record = of(even(energy=energy), receiver__recorder__bits=bits, **changes)
+        np.testing.assert_allclose(record, expected, rtol=rtol)
 
 
 def test_dropped_pings_are_silent_and_so_many():
@@ -124,8 +121,8 @@ def test_a_gain_table_goes_on_beyond_the_noise():
 def test_ringing_decays_after_transmission():
     ringing = {"kind": "decay", "level": -30.0, "time": 2e-3}
     record = of(np.zeros((2, 2, BINS), np.float32), receiver__ringing=ringing, receiver__source_level=100.0)
-    time = (np.arange(BINS) + 0.5) * BIN_TIME
-    np.testing.assert_allclose(10.0 * np.log10(record[1, 1]), 70.0 - 10.0 / math.log(10.0) * time / 2e-3, atol=1e-3)
+    expected = 70.0 - 10.0 / math.log(10.0) * TIME / 2e-3
+    np.testing.assert_allclose(10.0 * np.log10(record[1, 1]), expected, atol=1e-3)
 
 
 def test_ringing_is_a_wave_beside_the_speckled_echo():
@@ -171,8 +168,7 @@ def test_without_speckle_energies_add():
     ringing = {"kind": "decay", "level": -60.0, "time": 1.0}
     foreign = interference(level=-60.0, ping_rate=1e3, duration=1e-3)
     record = of(even(), receiver__ringing=ringing, **foreign).astype(float) / 1e-6
-    time = (np.arange(BINS) + 0.5) * BIN_TIME
-    np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-time), record.shape), rtol=1e-5)
+    np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-TIME), record.shape), rtol=1e-5)
 
 
 @pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15

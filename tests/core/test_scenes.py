@@ -1,22 +1,30 @@
-"""Bundled scenes, their pictures, and scenes as TOML."""
+"""Bundled scenes and sonars, their pictures, partners, controls and links, and scenes as TOML."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.files import bundled_meshes, bundled_picture
+from insonify.files import bundled_meshes, bundled_picture, bundled_sonars
 from insonify.scene import (
+    Scene,
     SceneError,
     bundled_scenes,
     edit,
+    load_partner,
     load_scene,
     plain,
-    read_setting,
     resources,
     scene_from_toml,
     scene_to_toml,
 )
+from insonify.scene.base import is_field
+from insonify.scene.links import Link, plain_words, split_description
+from insonify.scene.sonar.presets import read_preset
+from insonify.simulation import prepare
 
 
 @pytest.mark.parametrize("name", bundled_scenes())
@@ -89,24 +97,14 @@ def test_changes_do_not_depend_on_their_order():
     assert edit(knife, changes) == edit(knife, backwards)
 
 
-def test_settings_read_toml_and_bare_words():
-    assert read_setting("sonar.range=75") == ("sonar.range", 75)
-    assert read_setting("seabed.relief.peaks=[[8.0, 4.0]]") == ("seabed.relief.peaks", [[8.0, 4.0]])
-    assert read_setting("sonar.law=light") == ("sonar.law", "light")
-    assert read_setting("title=a = b") == ("title", "a = b")
-
-
 def test_relative_paths_are_taken_from_the_scene(tmp_path):
-    recorded = '{ kind = "recorded", path = "tow.csv" }'
-    for motion in (recorded, f'{{ kind = "sum", of = ["heave", {recorded}] }}'):
-        (tmp_path / "scene.toml").write_text(
-            f'[seabed]\nrelief = {{ kind = "dem", path = "bed.npy" }}\n[track]\nmotion = {motion}\n'
-        )
+    tow = '{ kind = "recorded", path = "tow.csv" }'
+    for motion in (tow, f'{{ kind = "sum", of = ["heave", {tow}] }}'):
+        text = f'[seabed]\nrelief = {{ kind = "dem", path = "bed.npy" }}\n[track]\nmotion = {motion}\n'
+        (tmp_path / "scene.toml").write_text(text)
         scene = load_scene(tmp_path / "scene.toml")
-        assert scene.seabed.relief.path == str(tmp_path / "bed.npy")
-        assert (scene.track.motion if motion is recorded else scene.track.motion.of[1]).path == str(
-            tmp_path / "tow.csv"
-        )
+        recorded = scene.track.motion if motion is tow else scene.track.motion.of[1]
+        assert (scene.seabed.relief.path, recorded.path) == (str(tmp_path / "bed.npy"), str(tmp_path / "tow.csv"))
 
 
 def test_a_scene_cannot_be_changed_in_place():
@@ -115,9 +113,8 @@ def test_a_scene_cannot_be_changed_in_place():
 
 
 def test_a_missing_scene_names_those_there_are():
-    with pytest.raises(
-        SceneError, match=r"no such file; give a TOML file or one of breaks-beats, .*default, .*figure-1, figure-2a"
-    ):
+    said = r"no such file; give a TOML file or one of breaks-beats, .*default, .*figure-1, figure-2a"
+    with pytest.raises(SceneError, match=said):
         load_scene("atlantis")
 
 
@@ -141,3 +138,134 @@ def test_pictures_are_those_of_scenes_and_meshes_and_light() -> None:
     files = [path for folder in ("scenes", "meshes") for path in (resources() / folder / "pictures").iterdir()]
     assert sorted(files) == sorted(map(bundled_picture, bundled))
     assert sum(path.stat().st_size for path in files) <= TOTAL
+
+
+PAIRS = {"figure-2a": "figure-2b", "figure-4a": "figure-4b", "figure-5-pattern": "figure-5-relief"}
+
+
+@pytest.mark.parametrize(("one", "other"), PAIRS.items())
+def test_scenes_of_one_figure_name_each_other(one: str, other: str) -> None:
+    assert load_partner(load_scene(one)) == load_scene(other)
+    assert load_partner(load_scene(other)) == load_scene(one)
+
+
+def test_every_bundled_partner_is_a_scene_or_the_same_with_other_settings() -> None:
+    named = {name for name, path in bundled_scenes().items() if load_partner(load_scene(path)) is not None}
+    assert named == {*PAIRS, *PAIRS.values(), "ghosts"}
+    ghosts = load_scene("ghosts")
+    assert load_partner(ghosts) == edit(ghosts, {"water.surface": "none"})
+    assert load_partner(load_scene("default")) is None
+
+
+def test_a_partner_lies_beside_the_file_that_names_it(tmp_path: Path) -> None:
+    (tmp_path / "one.toml").write_text('title = "One"\npartner = ["other.toml", "seed=7"]\n')
+    (tmp_path / "other.toml").write_text('title = "Other"\n')
+    one = load_scene(tmp_path / "one.toml")
+    partner = load_partner(one)
+    assert partner is not None
+    assert (partner.title, partner.seed) == ("Other", 7)
+    assert load_partner(scene_from_toml(scene_to_toml(one))) == partner, "wherever the scene is saved"
+
+
+@pytest.mark.parametrize(
+    ("partner", "said"),
+    [
+        (["nowhere"], "no such file"),
+        (["ghosts", "default"], "names 2 scenes"),
+        (["sonar.width=2"], "sonar.width"),
+        (["sonar.bins=-1"], "sonar.bins"),
+    ],
+)
+def test_a_wrong_partner_is_one_sentence(partner: list[str], said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        load_partner(edit(load_scene("default"), {"partner": partner}))
+
+
+def test_paths_of_fields_of_any_kind() -> None:
+    fields = ("track.altitude", "seed", "sonar.beam.length", "targets.0.gap.3.1", "seabed.relief.of.1.mask.share")
+    assert all(is_field(Scene, path) for path in fields)
+    nowhere = ("", "0", "track.altitud", "sonar.beam.widht", "targets.0.nothing", "track..altitude")
+    assert not any(is_field(Scene, path) for path in nowhere)
+
+
+def test_a_description_is_split_at_its_links() -> None:
+    text = "Move\nthe [altitude](track.altitude=4.0) or take [no beam](sonar.beam=knife); [1] (a=b) is text."
+    assert split_description(text) == (
+        "Move the ",
+        Link("altitude", "track.altitude", 4.0),
+        " or take ",
+        Link("no beam", "sonar.beam", "knife"),
+        "; [1] (a=b) is text.",
+    )
+    assert plain_words(text) == "Move the altitude or take no beam; [1] (a=b) is text."
+    (link,) = split_description("[a fan](sonar.beam={kind = 'fan', width = 3.0})")
+    assert link == Link("a fan", "sonar.beam", {"kind": "fan", "width": 3.0})
+
+
+def value_at(values: object, path: str) -> object:
+    for step in path.split("."):
+        values = values[int(step)] if isinstance(values, list) else values.get(step)  # type: ignore[attr-defined]
+    return values
+
+
+@pytest.mark.parametrize("name", bundled_scenes())
+def test_every_bundled_scene_names_its_controls_and_every_link_changes_it(name: str) -> None:
+    scene = load_scene(name)
+    assert 3 <= len(scene.controls) <= 6
+    assert len(set(scene.controls)) == len(scene.controls)
+    for link in (part for part in split_description(scene.description) if isinstance(part, Link)):
+        changed = edit(scene, {"sonar.ping_rate": 1e-3, link.path: link.value})
+        assert value_at(plain(changed), link.path) != value_at(plain(scene), link.path), link
+
+
+BED = "[seabed]\ndepth = 60.0\nrelief = 'flat'\nspacing = 0.5\n[track]\naltitude = 10.0\n"
+
+
+@pytest.mark.parametrize("name", bundled_sonars())
+def test_a_preset_makes_a_record(name):
+    scene = scene_from_toml(f"sonar = '{name}'\n{BED}")
+    declared = read_preset(name)
+    assert declared["title"]
+    assert declared["source"]
+    assert scene.sonar.frequency == declared["sonar"]["frequency"]
+    assert scene.receiver.source_level == declared["receiver"]["source_level"]
+    assert scene_from_toml(scene_to_toml(scene)) == scene
+    record = prepare(scene, forced={"planes": "4"}).intensity(np.arange(1))
+    assert np.isfinite(record).all()
+    assert record.max() > 0.0
+
+
+def test_there_is_one_from_kayak_to_deep_tow():
+    frequencies = {read_preset(name)["sonar"]["frequency"] for name in bundled_sonars()}
+    assert len(bundled_sonars()) >= 12
+    assert {100e3, 400e3, 455e3, 500e3, 600e3, 800e3, 900e3, 1.6e6} <= frequencies
+
+
+def test_fields_beside_a_preset_override_it():
+    table = "sonar = { preset = 'towfish-400', range = 75.0, beam = { width = 0.8 }, pulse = 'ideal' }\n"
+    scene = scene_from_toml(f"{table}{BED}[receiver]\nsource_level = 200.0\n")
+    assert (scene.sonar.range, scene.sonar.beam.kind, scene.sonar.beam.width) == (75.0, "gaussian", 0.8)
+    assert (scene.sonar.pulse.kind, scene.sonar.frequency) == ("ideal", 400e3)
+    assert (scene.receiver.source_level, scene.receiver.recorder.bits) == (200.0, 16)
+    assert scene.sonar.ping_rate == pytest.approx(700.0 / 75.0, abs=1e-3)
+
+
+def test_an_edit_replaces_one_sonar_by_another():
+    scene = scene_from_toml(f"sonar = 'towfish-400'\n{BED}")
+    for path in ("sonar", "sonar.preset"):
+        other = edit(scene, {path: "kayak-800"})
+        assert other == scene_from_toml(f"sonar = 'kayak-800'\n{BED}")
+    assert edit(scene, {"sonar.preset": "kayak-800", "sonar.range": 20.0}).sonar.range == 20.0
+    assert edit(scene, {"sonar.range": 80.0}).sonar.preset == "towfish-400"
+
+
+def test_without_a_preset_its_numbers_stay():
+    scene = scene_from_toml(f"sonar = 'towfish-400'\n{BED}")
+    own = edit(scene, {"sonar.preset": "none"})
+    assert own.sonar == scene.sonar.model_copy(update={"preset": None})
+    assert scene_from_toml(f"sonar = 'none'\n{BED}") == scene_from_toml(BED)
+
+
+def test_an_unknown_preset_is_refused():
+    with pytest.raises(SceneError, match=r"sonar\.preset: 'sputnik' is not a known sonar; choose one of auv-230"):
+        edit(load_scene("default"), {"sonar": "sputnik"})

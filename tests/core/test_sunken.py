@@ -63,32 +63,30 @@ def test_names_are_those_of_the_tables():
     assert set(get_args(PlanName)) == set(PLANS)
 
 
-def test_a_bar_and_blocks_are_closed_and_have_their_volumes():
-    bar = bars([[0, 0, 0]], [[3, 4, 0]], 0.5, faces=64)
-    assert is_closed(bar)
-    assert volume(bar) == pytest.approx(0.5 * 64 * np.sin(2 * np.pi / 64) * 0.25 * 5.0)
-    pair = blocks([[0, 0, 0], [5, 0, 1]], [1.0, 2.0, 3.0], [[0, 0, 0], [30, 20, 10]])
-    assert is_closed(pair)
-    assert volume(pair) == pytest.approx(12.0)
+FLAT = np.stack([*np.meshgrid(np.arange(7.0), np.arange(5.0), indexing="ij"), np.zeros((7, 5))], axis=-1)
+PUNCHED = np.ones((6, 4), bool)
+PUNCHED[[2, 3, 5], [1, 2, 3]] = False  # two that touch at a corner, one at the rim
+STRAIGHT = np.outer(np.linspace(0.0, 10.0, 5), [1.0, 0.0, 0.0])
+BAR = 0.5 * 64 * np.sin(2 * np.pi / 64) * 0.25 * 5.0
 
 
-def test_a_skin_is_closed_also_around_holes_and_of_its_thickness():
-    y, x = np.meshgrid(np.arange(5.0), np.arange(7.0))
-    grid = np.stack([x, y, 0.0 * x], axis=-1)
-    there = np.ones((6, 4), bool)
-    there[2, 1] = there[3, 2] = there[5, 3] = False  # two that touch at a corner, one at the rim
-    triangles = skin(grid, 0.1, there)
+@pytest.mark.parametrize(
+    ("triangles", "expected"),
+    [
+        (bars([[0, 0, 0]], [[3, 4, 0]], 0.5, faces=64), pytest.approx(BAR)),
+        (blocks([[0, 0, 0], [5, 0, 1]], [1.0, 2.0, 3.0], [[0, 0, 0], [30, 20, 10]]), pytest.approx(12.0)),
+        (skin(FLAT, 0.1, PUNCHED), pytest.approx(0.1 * 21.0)),
+        (skin(tube(STRAIGHT, np.full(5, 2.0), 48), 0.1), pytest.approx(np.pi * (2.0**2 - 1.9**2) * 10.0, rel=0.01)),
+    ],
+    ids=["bar", "blocks", "skin around holes", "tube"],
+)
+def test_parts_are_closed_face_outwards_and_have_their_volumes(triangles, expected):
     assert is_closed(triangles)
-    assert volume(triangles) == pytest.approx(0.1 * 21.0)
-    assert triangles[..., 2].max() == 0.0
+    assert volume(triangles) == expected
 
 
-def test_a_tube_faces_outwards():
-    x = np.linspace(0.0, 10.0, 5)
-    grid = tube(np.stack([x, 0 * x, 0 * x], axis=1), np.full(5, 2.0), 48)
-    triangles = skin(grid, 0.1)
-    assert is_closed(triangles)
-    assert volume(triangles) == pytest.approx(np.pi * (2.0**2 - 1.9**2) * 10.0, rel=0.01)
+def test_a_skin_lies_beneath_its_grid():
+    assert skin(FLAT, 0.1, PUNCHED)[..., 2].max() == 0.0
 
 
 def test_shares_depend_on_seed_and_name_alone():
@@ -242,17 +240,18 @@ def test_the_mast_throws_its_shadow_to_the_last_bin(simulation):
     assert dark.all(axis=1).sum() >= 3  # the same pings at every range: straight across the track
 
 
-SCRIPT = resources() / "meshes" / "make_library.py"
-
-
 @pytest.fixture(scope="module")
 def script() -> dict[str, object]:
-    return runpy.run_path(str(SCRIPT))
+    return runpy.run_path(str(resources() / "meshes" / "make_library.py"))
 
 
-def test_the_library_names_every_mesh_that_the_script_makes(script):
+def test_the_library_names_every_mesh_that_the_script_makes_and_the_listing_their_measures(script, capsys):
     assert set(bundled_targets()) == set(script["LIBRARY"]) <= set(bundled_meshes())
     assert len(bundled_targets()) >= 12
+    assert cli.main(["targets"]) == 0
+    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert list(lines) == list(bundled_targets())
+    assert lines["drum"] == "0.89 x 0.60 x 0.60 m  steel drum of 200 l, lying"
 
 
 @pytest.mark.parametrize("name", list(bundled_targets()))
@@ -265,13 +264,6 @@ def test_a_target_is_closed_and_as_its_script_makes_it(name, script):
     assert path.stat().st_size < 100_000
     assert 0.1 < mesh.extents.max() < 5.0
     assert mesh.bounds[0, 2] == 0.0
-
-
-def test_the_listing_gives_the_measures_of_a_drum(capsys):
-    assert cli.main(["targets"]) == 0
-    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
-    assert list(lines) == list(bundled_targets())
-    assert lines["drum"] == "0.89 x 0.60 x 0.60 m  steel drum of 200 l, lying"
 
 
 def test_a_drum_by_its_name_is_seen_with_its_shadow():

@@ -78,11 +78,13 @@ def test_fan_agrees_with_brute_force(law, width, error):
         rough(64, 64, 0.15), 0.5, periodic=True, bins=120, bin_length=0.2, half_width=math.radians(width / 2.0),
         solids=[((3.0, 12.0, 0.6), 0.5)], reflectivity=[GLOSSY], law=law,
     )  # fmt: skip
-    record = quiet(arrays, poses_of(3.05, 2.2, 6.0, 0.1), planes=96)[0]
+    poses = poses_of(3.05, 2.2, 6.0, 0.1)
+    record = quiet(arrays, poses, planes=96)[0]
     azimuths = (np.arange(240) + 0.5) / 240 * math.pi - math.pi / 2
     twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
     assert distance(record, twin) < error
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
+    assert distance(rays.trace(arrays, poses, rays=1 << 18)[0], twin) < 0.01
 
 
 @settings(max_examples=12, deadline=None, derandomize=True)
@@ -186,16 +188,6 @@ def test_a_slope_agrees_with_brute_force(half_width, slope):
     assert first == int(nearest / 0.1)
 
 
-def test_bed_above_the_fish():
-    heights = np.zeros((3, 400))
-    heights[:, 200:] = np.linspace(0.0, 30.0, 200)
-    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
-    record = quiet(arrays, poses_of(10.0, 0.0, 5.0, -math.pi / 2.0))[0, 0]
-    twin = naive.naive_ping(arrays, 10.0, 0.0, 5.0, -math.pi / 2.0)[0]
-    assert distance(record, twin) < 0.01
-    assert np.flatnonzero(record)[-1] == np.flatnonzero(twin)[-1]
-
-
 @pytest.mark.parametrize("half_width", [0.0, 0.03])
 def test_holes_in_the_bed_return_nothing_and_spoil_nothing(half_width):
     heights = rough(100, 80, 0.05)
@@ -217,6 +209,7 @@ def test_the_smallest_records(bins, pings):
     record = quiet(arrays, poses_of(np.arange(float(pings)), 0.0, 5.0))
     assert record.shape == (pings, 2, bins)
     assert record.any() == (pings > 0)
+    assert bins > 1 or (record > 0.0).all()
 
 
 @pytest.mark.parametrize("shape", [(1, 40), (40, 1), (1, 1), (2, 2)])

@@ -22,9 +22,8 @@ from insonify.tracers.scatterers import ScattererTracer
 from own_things import forgetting_tracers
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
-COHERENT = edit(
-    SCENE, {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
-)
+SPECKLED = {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
+COHERENT = edit(SCENE, SPECKLED)
 EXTEND = (Path(__file__).parents[2] / "docs" / "architecture" / "extend.md").read_text()
 
 
@@ -101,20 +100,23 @@ def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
     assert main(words) == 0
 
 
-def test_what_it_cannot_do_is_refused(strips):
-    with pytest.raises(SceneError, match=r"^sonar\.bounces: 'strips' does not follow bounces, here 2; .* use rays$"):
-        insonify.plan(edit(SCENE, {"sonar.bounces": 2}), method="strips")
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' is part of the sweep, not of the method"):
-        insonify.plan(COHERENT, method="strips")
-    with pytest.raises(SceneError, match=r"^water\.surface: strips have no multipath; take the surface 'none'$"):
-        insonify.plan(edit(SCENE, {"water.surface": "flat"}), method="strips")
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"sonar.bounces": 2}, r"^sonar\.bounces: 'strips' does not follow bounces, here 2; .* use rays$"),
+        (SPECKLED, r"^receiver\.speckle: 'coherent' is part of the sweep, not of the method"),
+        ({"water.surface": "flat"}, r"^water\.surface: strips have no multipath; take the surface 'none'$"),
+    ],
+)
+def test_what_it_cannot_do_is_refused(strips, changes, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        insonify.plan(edit(SCENE, changes), method="strips")
 
 
-def test_an_unknown_tracer_is_refused():
-    with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays"):
-        find_tracer("magic")
-    with pytest.raises(SceneError, match=r"^method: 'auto' is not known"):  # a wish, not a tracer
-        find_tracer("auto")
+@pytest.mark.parametrize("name", ["magic", "auto"])  # the latter is a wish, not a tracer
+def test_an_unknown_tracer_is_refused(name):
+    with pytest.raises(SceneError, match=rf"^method: '{name}' is not known; choose one of auto, sweep, march, rays"):
+        find_tracer(name)
 
 
 FAN = math.radians(1.25)

@@ -31,6 +31,12 @@ with replacing(Path(sys.argv[1])) as beside:
 """
 
 
+def write_new(path) -> None:
+    """Write a file in this process."""
+    with replacing(path) as beside:
+        beside.write_text("new")
+
+
 def writer(path, *words: str, before: tuple[str, ...] = (), **options) -> subprocess.Popen:
     """Start a process that writes a file until it gets a line; returns while it writes."""
     process = subprocess.Popen(
@@ -101,8 +107,7 @@ def test_what_a_kill_leaves_says_what_it_is_and_goes_with_the_next_write(tmp_pat
     assert left.name.startswith(f".{path.stem[:200]}")
     assert ".unfinished-" in left.name
     assert left.suffix == path.suffix
-    with replacing(path) as beside:
-        beside.write_text("new")
+    write_new(path)
     assert list(tmp_path.iterdir()) == [path]
     assert path.read_text() == "new"
 
@@ -110,8 +115,7 @@ def test_what_a_kill_leaves_says_what_it_is_and_goes_with_the_next_write(tmp_pat
 def test_what_is_left_of_other_files_stays(tmp_path):
     for name in ("record.npz", "record2.nc", "other.nc"):
         end(writer(tmp_path / name), signal.SIGKILL)
-    with replacing(tmp_path / "record.nc") as beside:
-        beside.write_text("new")
+    write_new(tmp_path / "record.nc")
     assert len(list(tmp_path.iterdir())) == 4
 
 
@@ -149,14 +153,12 @@ def test_a_folder_that_was_being_replaced_is_put_back(tmp_path, complete):
 def test_another_writer_is_told_of_and_the_last_to_finish_wins(tmp_path):
     path = tmp_path / "record.nc"
     other = writer(path)
-    with (
-        pytest.warns(FileWarning, match=rf"record\.nc: process {other.pid} is writing it as well; the last to finish"),
-        replacing(path) as beside,
-    ):
-        beside.write_text("mine")
-    assert path.read_text() == "mine"
+    told = rf"record\.nc: process {other.pid} is writing it as well; the last to finish"
+    with pytest.warns(FileWarning, match=told):
+        write_new(path)
+    assert path.read_text() == "new"
     end(other, signal.SIGTERM)
-    assert path.read_text() == "mine"
+    assert path.read_text() == "new"
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -203,8 +205,8 @@ def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp
     if foreign == "kernel":
         monkeypatch.setattr(atomic, "kernel", lambda: "another")
     monkeypatch.setattr(atomic.platform, "node", lambda: "ashore")
-    with pytest.warns(FileWarning, match=r"process \d+ of \w+ is writing it as well"), replacing(path) as beside:
-        beside.write_text("new")
+    with pytest.warns(FileWarning, match=r"process \d+ of \w+ is writing it as well"):
+        write_new(path)
     assert left.exists()
     assert path.read_text() == "new"
     long_ago = time.time() - atomic.SILENT - 1.0
@@ -248,11 +250,8 @@ def test_what_another_user_left_is_told_of_and_kept(tmp_path, monkeypatch):
     end(writer(path), signal.SIGKILL)
     (left,) = tmp_path.iterdir()
     monkeypatch.setattr(atomic.os, "getuid", lambda: left.stat().st_uid + 1)
-    with (
-        pytest.warns(FileWarning, match=r"beside it was left by another user; remove it if it is stale"),
-        replacing(path) as beside,
-    ):
-        beside.write_text("new")
+    with pytest.warns(FileWarning, match=r"beside it was left by another user; remove it if it is stale"):
+        write_new(path)
     assert left.exists()
     assert path.read_text() == "new"
 
@@ -278,6 +277,5 @@ def test_threads_that_write_one_file_have_a_temporary_file_each(tmp_path):
 def test_a_name_that_is_too_long_is_refused_before_the_work(tmp_path):
     with pytest.raises(OSError, match="File name too long"), replacing(tmp_path / ("x" * 300 + ".nc")):
         pytest.fail("the work has begun")
-    with replacing(tmp_path / ("x" * 252 + ".nc")) as beside:
-        beside.write_text("new")
+    write_new(tmp_path / ("x" * 252 + ".nc"))
     assert len(list(tmp_path.iterdir())) == 1

@@ -29,22 +29,16 @@ def profile(**changes):
     return {"kind": "profile", "depth": DEPTHS, "sound_speed": SPEEDS, **changes}
 
 
-def test_heights_count_from_the_mean_bed_upwards():
+def test_heights_count_from_the_mean_bed_upwards_and_none_lies_under_the_bed_or_over_the_surface():
     water = make_water(scene_in(profile()), -30.0)
-    assert water.bent
-    assert water.surface == 30.0
+    assert (water.bent, water.surface, water.station.size) == (True, 30.0, 1)
     np.testing.assert_array_equal(water.height, [-30.0, 14.0, 22.0, 28.0])
     np.testing.assert_array_equal(water.speed, [[1500.0, 1501.0, 1519.0, 1520.0]])
-    assert water.station.size == 1
-
-
-def test_nothing_is_laid_out_under_the_bed_or_over_the_surface():
     water = make_water(scene_in(profile(depth=[0.0, 8.0, 16.0, 60.0])), -30.0, -0.5)
     np.testing.assert_array_equal(water.height, [-0.5, 14.0, 22.0, 30.0])
     assert water.speed[0, 0] == np.interp(30.5, (16.0, 60.0), (1501.0, 1500.0))
     deep = make_water(scene_in(profile(depth=[40.0, 50.0, 60.0, 70.0])), -30.0, -0.5)
-    assert not deep.bent
-    assert deep.reference == SPEEDS[0]
+    assert (deep.bent, deep.reference) == (False, SPEEDS[0])
 
 
 def test_the_reference_is_the_speed_at_the_sonar():
@@ -154,17 +148,17 @@ def test_a_change_of_kind_takes_over_whole_tables_or_none():
         assert scene_from_toml(scene_to_toml(scene)) == scene
     # Fields of a new kind can be given with it.
     changes = {"water.depth": [0.0, 20.0], "water.sound_speed": [1510.0, 1500.0], "water.kind": "profile"}
-    scene = edit(load_scene("default"), changes)
-    assert scene.water == ProfileWater(depth=(0.0, 20.0), sound_speed=(1510.0, 1500.0))
+    expected = ProfileWater(depth=(0.0, 20.0), sound_speed=(1510.0, 1500.0))
+    assert edit(load_scene("default"), changes).water == expected
+
+
+WARM = {"kind": "hydrography", "temperature": [31.0, 18.0, 11.0, 10.0], "equation": "mackenzie"}
 
 
 @pytest.mark.parametrize(
     ("water", "told"),
     [
-        (
-            {"kind": "hydrography", "temperature": [31.0, 18.0, 11.0, 10.0], "equation": "mackenzie"},
-            "temperature 31 °C",
-        ),
+        (WARM, "temperature 31 °C"),
         ({"kind": "hydrography", "salinity": 20.0, "equation": "mackenzie"}, "salinity 20 "),
         ({"kind": "hydrography", "depth": [0.0, 5.0, 9.0, 1200.0], "equation": "paper"}, "depth 1200 m"),
         ({"kind": "uniform", "absorption": {"kind": "francois_garrison", "temperature": -2.0}}, "temperature -2 °C"),

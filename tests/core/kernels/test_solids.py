@@ -176,9 +176,11 @@ def test_the_nearest_place_of_a_body_and_a_bound_on_its_farthest(body):
     rng, solids = np.random.default_rng(5), solids_of([body])
     centre = solids.start[0] + 0.5 * solids.length[0] * solids.axis[0]
     inside = centre + rng.uniform(-4.0, 4.0, (200_000, 3))
-    inside = inside[[find_enclosing_solid(solids, *point[:, None]) == 0 for point in inside]]
-    points = centre + rng.normal(size=(40, 3)) * 6.0
-    points = points[[find_enclosing_solid(solids, *point[:, None]) < 0 for point in points]]
+    inside = inside[naive.body_depth(solids, 0, inside) < 0.0]
+    points = np.concatenate([centre + rng.normal(size=(40, 3)) * 6.0, inside[:40]])
+    outside = naive.body_depth(solids, 0, points) > 0.0
+    assert [find_enclosing_solid(solids, *point[:, None]) < 0 for point in points] == outside.tolist()
+    points = points[outside]
     found = np.empty((len(points), 2))
     measure_distances(solids, points, found)
     sampled = np.linalg.norm(points[:, None] - inside[None], axis=2)

@@ -67,13 +67,11 @@ specification = partial(data_set, CHIPS)
 
 
 def test_draws_within_a_choice_and_within_its_tables_are_drawn():
-    reliefs = [draw_scene(specification(), BASE, number).scene.seabed.relief for number in range(24)]
-    ripples = {relief.of[0].wavelength for relief in reliefs if relief.kind == "sum"}
-    rough = {relief.rms for relief in reliefs if relief.kind == "fractal"}
-    assert len(ripples) > 5
-    assert len(rough) > 5
-    forms = {target.form for n in range(24) for target in draw_scene(specification(), BASE, n).scene.targets}
-    assert forms == {"tug", "barge"}
+    drawn = [draw_scene(specification(), BASE, number).scene for number in range(24)]
+    reliefs = [scene.seabed.relief for scene in drawn]
+    assert len({relief.of[0].wavelength for relief in reliefs if relief.kind == "sum"}) > 5
+    assert len({relief.rms for relief in reliefs if relief.kind == "fractal"}) > 5
+    assert {target.form for scene in drawn for target in scene.targets} == {"tug", "barge"}
 
 
 def test_a_scene_is_sampled_as_declared():
@@ -235,18 +233,13 @@ def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
     assert "refers to itself" in refused(capsys, "dataset", str(tmp_path / "old.toml"), "-o", str(tmp_path / "set"))
 
 
-def test_a_preview_is_one_picture_and_no_set(tmp_path):
-    path, sheet = tmp_path / "set.toml", tmp_path / "sheet.png"
+def test_a_set_of_chips_and_a_preview_of_it_are_made_by_the_command(tmp_path):
+    path, folder, sheet = (tmp_path / name for name in ("set.toml", "set", "sheet.png"))
     path.write_text(CHIPS)
     assert cli.main(["dataset", str(path), "-o", str(sheet), "--preview", "2"]) == 0
     with Image.open(sheet) as picture:
         assert picture.size[0] > 1000
-    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["set.toml", "sheet.png"]
-
-
-def test_a_set_of_chips_is_made_by_the_command(tmp_path):
-    path, folder = tmp_path / "set.toml", tmp_path / "set"
-    path.write_text(CHIPS)
+    assert {entry.name for entry in tmp_path.iterdir()} == {"set.toml", "sheet.png"}
     assert run_here("dataset", str(path), "-o", str(folder)) == 0
     lines = [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
     assert {line["class"] for line in lines} == {"wreck", None}

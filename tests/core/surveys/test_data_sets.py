@@ -26,7 +26,7 @@ from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
 from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
-from insonify.surveys.engine import finish, read_flag
+from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
 from insonify.surveys.storages import Tile, ZarrStore
 from own_things import forgetting
@@ -176,8 +176,11 @@ def test_every_image_is_in_one_split_and_no_scene_in_two(small):
         assert line["hash"]
         assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
     assert all(len(splits) == 1 for splits in of_scene.values())
-    listed = [json.loads((small / split / "coco-both.json").read_text())["images"] for split in ("train", "test")]
-    assert {image["file_name"] for image in listed[0]}.isdisjoint(image["file_name"] for image in listed[1])
+    train, test = (
+        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
+        for split in ("train", "test")
+    )
+    assert train.isdisjoint(test)
 
 
 def test_yolo_boxes_are_those_of_coco(small):
@@ -244,26 +247,21 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
         told = json.load(archive.extractfile(next(name for name in members if name.endswith(".json"))))
         picture = Image.open(io.BytesIO(archive.extractfile(f"{told['name']}.png").read()))
     assert picture.size == (80, 64)
-    keys = [name.partition(".")[0] for name in members]
-    assert keys == sorted(keys, key=keys.index)  # what belongs to a tile stands together
-    assert {name.partition(".")[2] for name in members} == {"png", "mask.png", "txt", "json"}
+    keys, _, kinds = zip(*(name.partition(".") for name in members))
+    assert list(keys) == sorted(keys, key=keys.index)  # what belongs to a tile stands together
+    assert set(kinds) == {"png", "mask.png", "txt", "json"}
 
 
-def test_a_zarr_store_is_read_by_zarr(tmp_path):
+def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path):
     one = data_set(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
     (path,) = first_job(one, tmp_path).rglob("*.zarr")
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16
-
-
-def test_a_zarr_store_holds_tiles_of_unlike_shapes(tmp_path):
-    shapes = ((16, 20), (24, 12))
-    tiles = [
-        Tile(np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8), {"name": str(k), "split": "train"})
-        for k, shape in enumerate(shapes)
-    ]
-    store = ZarrStore()
+    store, tiles = ZarrStore(), []
+    for k, shape in enumerate(((16, 20), (24, 12))):
+        image, mask = np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8)
+        tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
     store.write(tmp_path, "0", "0", tiles)
     for tile in tiles:
         np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
@@ -271,10 +269,11 @@ def test_a_zarr_store_holds_tiles_of_unlike_shapes(tmp_path):
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):
     levels = {"bits": 16, "low": -30.0, "high": 30.0}
-    work = DatasetWork(data_set(images=levels, targets=[], tiles={"pings": 64, "bins": 80}), BASE, tmp_path / "set")
-    finish(work, work.names()[0])
-    tiles = [tile for tile in read_flag(work.folder, work.names()[0])["tiles"] if tile["first_bin"] > 0]
-    image = pixels(work.folder / tiles[0]["file"])
+    one = data_set(images=levels, targets=[], tiles={"pings": 64, "bins": 80})
+    folder = first_job(one, tmp_path)
+    (name,) = done_jobs(folder)
+    tiles = [tile for tile in read_flag(folder, name)["tiles"] if tile["first_bin"] > 0]
+    image = pixels(folder / tiles[0]["file"])
     # The median of Rayleigh speckle is the level of the middle grey.
     assert image.dtype == np.uint16
     assert np.median(image) == pytest.approx(0.5 * 65535, rel=0.03)
@@ -310,21 +309,21 @@ def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
 
 
 def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp_path):
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
+    meshes, own = bundled_meshes(), tmp_path / "own.ply"
+    own.write_bytes(meshes["drum"].read_bytes())
     (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
-    own = '{ kind = "mesh", path = "own.ply" }'
-    text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', own)
-    path = write_set(tmp_path, text)
-    one = read_specification(str(path), DatasetSpecification, {}, {})
+    mesh = '{ kind = "mesh", path = "own.ply" }'
+    text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', mesh)
+    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, {}, {})
     base = load_scene(one.base)
     assert base == BASE
     shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
-    assert str(tmp_path / "own.ply") in shapes
+    assert str(own) in shapes
     digest = DatasetWork(one, base, tmp_path / "set").digest
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["tyre"].read_bytes())
+    own.write_bytes(meshes["tyre"].read_bytes())
     assert DatasetWork(one, base, tmp_path / "set").digest != digest
+    own.write_bytes(meshes["drum"].read_bytes())
     more = one.model_copy(update={"scenes": 16})
-    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
     assert DatasetWork(more, base, tmp_path / "set").digest == digest
 
 
@@ -344,7 +343,8 @@ def distribution(**fields):
     return TypeAdapter(Drawn).validate_python(fields)
 
 
-def quantiles(made):
+def quantiles(**fields):
+    made = distribution(**fields)
     return [made.quantile(share) for share in SHARES]
 
 
@@ -361,33 +361,20 @@ def quantiles(made):
     ],
 )
 def test_quantiles_are_those_of_scipy(fields, known):
-    drawn = quantiles(distribution(**fields))
-    np.testing.assert_allclose(drawn, known.ppf(SHARES), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(quantiles(**fields), known.ppf(SHARES), rtol=1e-9, atol=1e-9)
 
 
-def test_integers_are_equally_often_and_both_bounds_are_reached():
-    drawn = quantiles(distribution(draw="integers", low=-1, high=3))
-    assert np.unique(drawn, return_counts=True)[1].tolist() == [2000] * 5
-    assert {min(drawn), max(drawn)} == {-1, 3}
-
-
-def test_a_choice_keeps_to_its_weights():
-    drawn = quantiles(distribution(draw="choice", of=["a", "b", {"kind": "flat"}], weights=[1, 0, 3]))
-    assert drawn.count("a") == 2500
-    assert drawn.count({"kind": "flat"}) == 7500
-
-
-def test_a_table_without_draw_is_a_value():
+def test_integers_are_equally_often_choices_keep_to_their_weights_and_a_table_without_draw_is_a_value():
+    assert Counter(quantiles(draw="integers", low=-1, high=3)) == dict.fromkeys(range(-1, 4), 2000)
+    drawn = quantiles(draw="choice", of=["a", "b", {"kind": "flat"}], weights=[1, 0, 3])
+    assert (drawn.count("a"), drawn.count({"kind": "flat"})) == (2500, 7500)
     assert distribution(kind="uniform", sound_speed=1500.0) == {"kind": "uniform", "sound_speed": 1500.0}
 
 
 @pytest.mark.parametrize(
     ("fields", "told"),
     [
-        (
-            {"draw": "beta"},
-            "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,",
-        ),
+        ({"draw": "beta"}, "draw: 'beta' is not a known distribution; choose one of uniform, log_uniform,"),
         ({"draw": "uniform", "low": 2.0}, "high: is missing; add it"),
         ({"draw": "uniform", "low": 2.0, "high": 1.0}, "low 2 is above high 1; swap them"),
         ({"draw": "log_uniform", "low": 0.0, "high": 1.0}, "low: 0.0 is out of bounds; give a value above 0"),

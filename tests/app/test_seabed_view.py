@@ -1,12 +1,16 @@
-"""What the three-dimensional view draws on the bed: the record, laid over it, and the fan."""
+"""The three-dimensional view: what is drawn on the bed, its menu, and keys that turn and zoom it as the mouse does."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 import pyvista as pv
-from PySide6.QtCore import QPoint
-from PySide6.QtWidgets import QFileDialog
+from controls import activate, drag
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction, QGuiApplication
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QWidget
 from stand_in import ground_of
 
 from insonify.display.display_options import DisplayOptions
@@ -16,11 +20,16 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.surveys.mosaic import Mosaic, colour_levels, write_mosaic
 from insonify.tow.poses import make_poses
+from insonify_viewer.application import has_opengl
 from insonify_viewer.record.drape import MosaicSheet, RecordStrip, drape_mosaic, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.seabed.bed_shading import LAMP, cast_shadows
-from insonify_viewer.seabed.fan_sheet import STEP, fan_sheet
+from insonify_viewer.seabed.cameras import CAMERAS
+from insonify_viewer.seabed.fan_sheet import STEP as RAYS_APART
+from insonify_viewer.seabed.fan_sheet import fan_sheet
 from insonify_viewer.seabed.pv_meshes import BedPatch
+from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
+from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 from insonify_viewer.widgets.painting import make_polyline
 
 pytestmark = pytest.mark.usefixtures("drawn_seabed")
@@ -203,7 +212,7 @@ def test_triangles_are_few_and_narrow():
     ends = far_ends(triangles).reshape(-1, 2, 3) - triangles[:, :1]
     unit = ends / np.linalg.norm(ends, axis=2, keepdims=True)
     angle = np.arccos(np.clip((unit[:, 0] * unit[:, 1]).sum(axis=1), -1.0, 1.0))
-    assert angle.max() < 3.0 * STEP
+    assert angle.max() < 3.0 * RAYS_APART
     assert len(triangles) < 2000
     ground = simulation.ground.height_at(far_ends(triangles)[:, 0], far_ends(triangles)[:, 1])
     assert (far_ends(triangles)[:, 2] >= ground - 0.02).all()
@@ -239,3 +248,161 @@ def test_a_target_keeps_the_lamp_off_the_bed_where_its_light_would_fall(below):
     np.testing.assert_allclose([x.mean(), y.mean()], -5.0 * LAMP[:2] / LAMP[2], atol=0.1)
     assert len(row) * 0.01 == pytest.approx(16.0, rel=0.06)
     assert (shaded[:10] == 200).all()
+
+
+@pytest.fixture
+def viewer(open_viewer, small):
+    return open_viewer(edit(small, {"targets": []}))
+
+
+def trigger(viewer, text):
+    next(each for each in viewer.window.findChildren(QAction) if each.text() == text).trigger()
+
+
+def sight(viewer):
+    camera = viewer.seabed.view._canvas.plotter.camera
+    return np.array(camera.position), np.array(camera.focal_point)
+
+
+def test_the_camera_goes_to_its_places_and_follows_unless_told_otherwise(viewer, qtbot):
+    viewer.run(False)
+    seen = {}
+    for camera in CAMERAS:
+        trigger(viewer, camera)
+        position, focus = sight(viewer)
+        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
+    assert seen["From above"][2] > 0.99
+    assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
+    before = sight(viewer)
+    viewer.go_to(20)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert not np.allclose(sight(viewer), before)
+    trigger(viewer, "Follow the towfish")
+    before = sight(viewer)
+    viewer.go_to(40)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert np.allclose(sight(viewer), before)
+    viewer.window.reset_view.trigger()
+    assert viewer.seabed.view.follows
+
+
+def test_a_right_click_opens_the_menu_of_a_place_depths_have_colours_and_a_new_target_is_framed(viewer, qtbot):
+    widget = viewer.seabed.view._canvas.widget
+    x, y = viewer.seabed.view.handles._in_view(np.array([15.0, 12.0, 0.0]))
+    QTest.mouseClick(widget, Qt.MouseButton.RightButton, pos=QPoint(round(x), round(widget.height() - 1.0 - y)))
+    (menu,) = (each for each in viewer.window.findChildren(QMenu) if each.isVisible())
+    texts = [action.text() for action in menu.actions() if action.text()]
+    assert texts[:2] == ["Light up the pixels that receive its echo", "Show this place in the record"]
+    menu.actions()[1].trigger()
+    assert viewer.session.mark is not None
+    assert (viewer.session.mark.side, viewer.session.mark.ping) == (0, pytest.approx(75, abs=3))
+    menu.close()
+    # Depths have colours with a bar.
+    view = viewer.seabed.view
+    assert view.guides._shown[0] > 0.0
+    plain = viewer.seabed._patch.image.copy()
+    trigger(viewer, "Depth colours")
+    qtbot.waitUntil(lambda: viewer.complete)
+    shallow, deep = viewer.seabed._patch.depths
+    assert 0.0 < shallow < viewer.session.scene.seabed.depth < deep
+    qtbot.waitUntil(lambda: view.guides._shown[2] == (shallow, deep))
+    assert (viewer.seabed._patch.image != plain).mean() > 0.5
+    trigger(viewer, "Copy picture of the 3-D view")
+    assert QGuiApplication.clipboard().image().width() == 3 * view._canvas.plotter.window_size[0]
+
+    # A new target is chosen, framed and in the record.
+    viewer.window.target_wanted.emit("box")
+    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.session.scene.targets) and not viewer.seabed.view.follows)
+    handles = viewer.targets.handles
+    assert handles.chosen == 0
+    target = viewer.session.scene.targets[0]
+    position, focus = sight(viewer)
+    assert focus[:2] == pytest.approx(target.position[:2])
+    assert np.linalg.norm(position - focus) < 0.5 * viewer.session.scene.sonar.range
+    assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
+
+
+@pytest.fixture
+def canvas(viewer, qtbot) -> QWidget:
+    """View of the seabed that has the keyboard."""
+    if not has_opengl():
+        pytest.skip("no OpenGL for a widget")
+    activate(viewer.window, qtbot)
+    widget: QWidget = viewer.seabed.view._canvas.widget
+    widget.setMaximumSize(320, 240)  # a small picture is drawn in less time
+    widget.setFocus()
+    return widget
+
+
+def away(viewer) -> np.ndarray:
+    """From the focus of the camera to the camera."""
+    camera = viewer.seabed.view._canvas.plotter.camera
+    return np.array(camera.position) - np.array(camera.focal_point)
+
+
+def angles(viewer) -> np.ndarray:
+    """Bearing and slope from the focus to the camera, in degrees."""
+    x, y, z = away(viewer)
+    return np.degrees([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
+
+
+def turned_by(viewer, act: Callable[[], None]) -> np.ndarray:
+    """Degrees by which an act turns the camera about its focus: bearing and slope."""
+    before = angles(viewer)
+    act()
+    turn: np.ndarray = (angles(viewer) - before + 180.0) % 360.0 - 180.0
+    return turn
+
+
+def test_an_arrow_turns_the_scene_as_a_drag_does_and_neither_over_nor_below_the_bed(viewer, canvas):
+    middle = canvas.rect().center()
+    for key, way in (
+        (Qt.Key.Key_Left, QPoint(-30, 0)),
+        (Qt.Key.Key_Right, QPoint(30, 0)),
+        (Qt.Key.Key_Up, QPoint(0, -30)),
+        (Qt.Key.Key_Down, QPoint(0, 30)),
+    ):
+        distance = np.linalg.norm(away(viewer))
+        turn = turned_by(viewer, lambda key=key: QTest.keyClick(canvas, key))
+        assert sorted(np.abs(turn)) == pytest.approx([0.0, STEP], abs=1e-9)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(distance)
+        dragged = turned_by(viewer, lambda way=way: drag(canvas, middle, middle + way))
+        axis = np.argmax(np.abs(turn))
+        assert (np.argmax(np.abs(dragged)), np.sign(dragged[axis])) == (axis, np.sign(turn[axis]))
+    # The view neither turns over nor below the bed.
+    for key, slope, within in ((Qt.Key.Key_Down, STEEPEST, 1e-6), (Qt.Key.Key_Up, math.atan(LOWEST), 0.01)):
+        for _ in range(40):
+            QTest.keyClick(canvas, key)
+        assert angles(viewer)[1] == pytest.approx(math.degrees(slope), abs=within)
+
+
+def test_plus_and_minus_zoom_within_the_limits_of_the_wheel_and_all_other_keys_are_those_of_the_window(viewer, canvas):
+    home, waterfall = away(viewer), viewer.window.waterfall
+    QTest.keyClick(canvas, Qt.Key.Key_Right)
+    assert away(viewer) != pytest.approx(home)
+    QTest.keyClick(canvas, Qt.Key.Key_Home)
+    assert away(viewer) == pytest.approx(home)
+    QTest.keyClick(canvas, "b")
+    assert viewer.session.display.bottom_line
+    QTest.keyClick(canvas, Qt.Key.Key_Right, Qt.KeyboardModifier.AltModifier)
+    assert away(viewer) == pytest.approx(home), "keys with Alt or Ctrl are not those of the view"
+    for letter, factor, limit in (("+", 1.0 / CLOSER, NEAREST), ("-", CLOSER, FARTHEST)):
+        canvas.setFocus()
+        before, zoom = np.linalg.norm(away(viewer)), waterfall.projection.zoom
+        QTest.keyClick(canvas, letter)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(factor * before)
+        for _ in range(60):
+            QTest.keyClick(canvas, letter)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view._reach)
+        assert waterfall.projection.zoom == zoom, "they zoom what has the keyboard"
+        waterfall.setFocus()
+        QTest.keyClick(waterfall, letter)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view._reach)
+    viewer.window.tour.begin()
+    canvas.setFocus()
+    QTest.keyClick(canvas, Qt.Key.Key_Escape)
+    assert viewer.window.tour.card is None
+    QTest.keyClick(canvas, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget() is not canvas
+    QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Backtab)
+    assert QApplication.focusWidget() is canvas
