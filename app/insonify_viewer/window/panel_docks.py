@@ -161,10 +161,11 @@ class PanelDocks:
         """Open a panel, before those that share its place."""
         dock = self.by_panel[panel]
         if dock.isHidden():
-            area = self._window.dockWidgetArea(dock)
-            # Qt lays a dock out where it stands behind others only if these are in view by then.
+            area, homes = self._window.dockWidgetArea(dock), self._room.homes
+            # Qt lays a dock out where it stands behind others only if these are in view by then. A panel of the left
+            # side that stands at the right one was below the others there, and comes back there.
             for other in self.by_panel.values():
-                if not other.isHidden() and self._window.dockWidgetArea(other) is area:
+                if not other.isHidden() and self._window.dockWidgetArea(other) is area and homes[other] is homes[dock]:
                     self._window.tabifyDockWidget(other, dock)
             dock.show()
             self._name_tabs()
