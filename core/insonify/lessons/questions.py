@@ -110,7 +110,7 @@ def _judge_number(ask: Ask, answer: float | None, reader: Reader) -> Verdict | N
     expected = parse_expression(ask.value).number(reader)
     if expected is None:
         return None
-    right = f"{expected:.3g} {ask.unit}".strip()
+    right = f"{float(f'{expected:.3g}'):g} {ask.unit}".strip()
     if answer is None:
         return Verdict(Grade.UNKNOWN, right)
     if _agrees(answer, expected, ask.tolerance):

@@ -106,7 +106,7 @@ class Plan:
 
 def percent(error: float) -> str:
     """Write an error in percent."""
-    return f"{100.0 * error:.2g} %"
+    return f"{float(f'{100.0 * error:.2g}'):g} %"
 
 
 def _share(error: float) -> str:
