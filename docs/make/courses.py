@@ -97,9 +97,7 @@ def _answers(ask: Ask, start: LessonState, end: LessonState) -> list[str]:
         return right + [f"wrong: {each.text}. {each.because}" for each in ask.choices if not each.right]
     reader = end.reader(start)
     numbers = [parse_expression(each.value).number(reader) for each in (ask, *ask.mistakes)]
-    shown = [
-        "of a record" if number is None else f"{float(f'{number:.3g}'):g} {ask.unit}".strip() for number in numbers
-    ]
+    shown = ["of a record" if number is None else ask.in_unit(number) for number in numbers]
     return [
         f"right: {shown[0]}, within {100 * ask.tolerance:g} %",
         *(f"wrong: {number}. {mistake.because}" for number, mistake in zip(shown[1:], ask.mistakes)),

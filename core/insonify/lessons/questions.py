@@ -59,6 +59,10 @@ class Ask(Declaration):
             raise ValueError("gives a unit or mistakes beside choices; they belong to a number")
         return self
 
+    def in_unit(self, number: float) -> str:
+        """Write a number to three digits, with the unit."""
+        return f"{float(f'{number:.3g}'):g} {self.unit}".strip()
+
 
 class Grade(Enum):
     """How good an answer is."""
@@ -110,7 +114,7 @@ def _judge_number(ask: Ask, answer: float | None, reader: Reader) -> Verdict | N
     expected = parse_expression(ask.value).number(reader)
     if expected is None:
         return None
-    right = f"{float(f'{expected:.3g}'):g} {ask.unit}".strip()
+    right = ask.in_unit(expected)
     if answer is None:
         return Verdict(Grade.UNKNOWN, right)
     if _agrees(answer, expected, ask.tolerance):
