@@ -15,12 +15,11 @@ from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import empty_labels
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.tracers import rays, sweep
-from insonify.tracers.labels import PATHS, trace_labels
+from insonify.tracers.labels import PATHS, degrees_of_incidence, describe_contributors, trace_labels
 from water import water_about
 
 FLAT = np.zeros((4, 4))
@@ -299,19 +298,20 @@ def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
     poses = poses_of([0.0, 0.4], 0.0, 12.0)
     swept = trace_labels(arrays, poses, planes=64)
     table, shadows = empty_contributor_table(3, 400), empty_shadow_table(2, 400)
-    found = empty_labels(2, 400, 2)
-    label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, table, shadows, found)
+    found, described = empty_labels(2, 400, 2), describe_contributors(arrays)
+    label_refracted_pings(
+        arrays, without_targets(arrays), poses, 100_000, described, table, shadows, found, np.arange(2)
+    )
     assert (swept.shadow[:, 0] > 0.5).sum() > 30
     assert np.sqrt(np.mean((found.shadow - swept.shadow) ** 2)) < 0.03
     assert (np.abs(found.shadow - swept.shadow) < 0.05).mean() > 0.98
     both = (found.shadow > 0.05) & (swept.shadow > 0.05)
     assert (found.shadow_id == swept.shadow_id)[both].mean() > 0.99
-    target = np.where(found.contributor == NO_PRIMITIVE, -2, found.contributor - 1)
-    assert (target == swept.target_id).mean() > 0.98
+    assert (found.target_id == swept.target_id).mean() > 0.98
     assert {-2, -1, 0, 1} == set(swept.target_id.ravel())
-    same = (target == swept.target_id) & (target != -2)
+    same = (found.target_id == swept.target_id) & (found.target_id != -2)
     assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
-    assert np.quantile(np.abs(np.degrees(found.incidence) - swept.incidence)[same], 0.5) < turned
+    assert np.quantile(np.abs(degrees_of_incidence(found.cosine) - swept.incidence)[same], 0.5) < turned
 
 
 def test_a_ball_in_a_gaussian_beam_has_a_shadow_in_its_record():

@@ -6,17 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Booleans, Integers, Singles
-from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.contributors import ContributorTable, empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
-from insonify.kernels.labels.shadows import NO_TARGET, empty_shadow_table
-from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_swept_pings, labels_of_pings
+from insonify.kernels.labels.shadows import NO_TARGET, ShadowTable, empty_shadow_table
+from insonify.kernels.labels.sweep_labels import (
+    NO_MATERIAL,
+    NO_PATH,
+    BinLabels,
+    Contributors,
+    empty_labels,
+    label_swept_pings,
+)
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
 from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
@@ -28,8 +34,6 @@ from insonify.tracers.sweep import pings_a_thread
 from insonify.tracers.target_planes import find_pings_met
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
-NO_MATERIAL = -1
-NO_PATH = -1
 PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
@@ -82,23 +86,41 @@ def trace_labels(
     place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
-    found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
+    found, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
     apparent, folded = make_apparent_tables(arrays, poses)
     rooms = PerThread(lambda: _make_room(arrays, apparent))
-    if folded.any():
-        places = np.flatnonzero(folded)
-        _enter(found, places, _find_by_rays(arrays, take_poses(poses, places), rays, threads))
+    by_rays = np.flatnonzero(folded)
+    if by_rays.size > 0:
+        bare = without_targets(arrays)
+
+        def follow_rays(part: Poses, first: int, last: int) -> None:
+            table, shadows = empty_tables(arrays)
+            label_refracted_pings(arrays, bare, part, rays, described, table, shadows, found, by_rays[first:last])
+
+        share_blocks(take_poses(poses, by_rays), follow_rays, threads)
+        found.energy[by_rays] *= FIXED_POINT  # rays count in plain units
     clear = np.flatnonzero(~folded)
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
         places = clear[among]
         if echoes is not None:
             met = find_pings_met(arrays, take_poses(poses, places), beams[0])
-            _enter(found, places[~met], _find_bed(echoes[places[~met]], found.target_echo.shape[2]))
+            _label_bed(found, places[~met], echoes[places[~met]])
             places = places[met]
+
         if places.size > 0:
-            _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, rooms, threads))
-    found.energy[folded] *= FIXED_POINT  # rays count in plain units
-    labels = _describe_contributors(arrays, found)
+            _sweep(arrays, take_poses(poses, places), places, beams, apparent, described, rooms, found, threads)
+    labels = RecordLabels(
+        target_id=found.target_id,
+        material=found.material,
+        shadow=found.shadow,
+        shadow_id=found.shadow_id,
+        ground_range=found.ground_range,
+        incidence=degrees_of_incidence(found.cosine),
+        path=found.path,
+        volume_id=np.full(found.target_id.shape, NOTHING, np.int16),
+        caustic=found.caustic,
+        target_echo=found.target_echo,
+    )
     if crosstalk > 0.0:
         # The other side's contributor wherever its crosstalk exceeds the side's own echo.
         leaked: dict[str, Any] = {}
@@ -118,61 +140,52 @@ def trace_labels(
     return labels
 
 
-def _enter(found: BinLabels, places: Integers, some: BinLabels) -> None:
-    """Enter the labels of some pings among those of all."""
-    columns: tuple[NDArray[Any], ...] = found
-    for whole, part in zip(columns, some):
-        whole[places] = part
-
-
-def _find_bed(echoes: Singles, targets: int) -> BinLabels:
-    """Labels of pings that meet the bed alone, without places."""
-    found = empty_labels(len(echoes), echoes.shape[2], targets)
-    found.contributor[...] = np.where(echoes > 0.0, 0, NO_PRIMITIVE)
-    found.shadow[...], found.shadow_id[...] = 0.0, NO_TARGET
-    found.ground_range[...] = found.incidence[...] = np.nan
-    return found
-
-
-def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
-    """Labels of pings traced by rays along arcs."""
-    found, bare = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), without_targets(arrays)
+def _sweep(
+    arrays: SceneArrays,
+    poses: Poses,
+    places: Integers,
+    beams: list[AzimuthFan],
+    apparent: ApparentTables,
+    described: Contributors,
+    rooms: PerThread[tuple[Any, ...]],
+    found: BinLabels,
+    threads: int | None,
+) -> None:
+    """Label pings that share their planes, each at its place."""
 
     def block(part: Poses, first: int, last: int) -> None:
-        tables = (
-            empty_contributor_table(count_contributors(arrays), arrays.bins),
-            empty_shadow_table(count_targets(arrays), arrays.bins),
-        )
-        label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last))
+        label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, found, places[first:last])
 
-    share_blocks(poses, block, threads)
-    return found
+    share_blocks(poses, block, threads, pings_a_thread(beams[0]))
+
+
+def _label_bed(found: BinLabels, places: Integers, echoes: Singles) -> None:
+    """Label the pings that meet the bed alone, without the places of their echoes."""
+    has_echo = echoes > 0.0
+    found.target_id[places] = np.where(has_echo, BED, NOTHING)
+    found.material[places], found.path[places] = np.where(has_echo, 0, NO_MATERIAL), np.where(has_echo, 0, NO_PATH)
+    found.energy[places], found.shadow[places], found.shadow_id[places] = 0.0, 0.0, NO_TARGET
+    found.ground_range[places] = found.cosine[places] = np.nan
+
+
+def degrees_of_incidence(cosine: Singles) -> Singles:
+    """Turn cosines of the incidence, which are overwritten, into degrees."""
+    np.arccos(np.minimum(cosine, np.float32(1.0), out=cosine), out=cosine)
+    return np.degrees(cosine, out=cosine)
+
+
+def empty_tables(arrays: SceneArrays) -> tuple[ContributorTable, ShadowTable]:
+    """Room for the contributions to one side of a ping and the shadows on it."""
+    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
+    return (
+        empty_contributor_table(contributors, arrays.bins),
+        empty_shadow_table(count_targets(arrays), arrays.bins),
+    )
 
 
 def _make_room(arrays: SceneArrays, apparent: ApparentTables) -> tuple[Any, ...]:
     """Work space for the labels of pings."""
-    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
-    room = empty_sweep_workspace(arrays, apparent)
-    images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
-    return room, images, empty_contributor_table(contributors, arrays.bins), shadows
-
-
-def _find(
-    arrays: SceneArrays,
-    poses: Poses,
-    beams: list[AzimuthFan],
-    apparent: ApparentTables,
-    rooms: PerThread[tuple[Any, ...]],
-    threads: int | None,
-) -> BinLabels:
-    """Labels of pings that share their planes."""
-    found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
-
-    def block(part: Poses, first: int, last: int) -> None:
-        label_swept_pings(arrays, part, *beams, apparent, *rooms.own, labels_of_pings(found, first, last))
-
-    share_blocks(poses, block, threads, pings_a_thread(beams[0]))
-    return found
+    return empty_sweep_workspace(arrays, apparent), empty_multipath_workspace(arrays), *empty_tables(arrays)
 
 
 def count_targets(arrays: SceneArrays) -> int:
@@ -193,20 +206,13 @@ def contributor_materials(arrays: SceneArrays) -> Integers:
     return material
 
 
-def _describe_contributors(arrays: SceneArrays, found: BinLabels) -> RecordLabels:
-    """Turn contributors into targets and materials, radians into degrees."""
-    rows, has_echo = arrays.reflectivity.shape[0], found.contributor != NO_PRIMITIVE
-    path, contributor = np.divmod(found.contributor, count_contributors(arrays))
-    of_scene, is_target = has_echo & (path != SURFACE_ECHO), has_echo & (contributor >= rows)
-    return RecordLabels(
-        target_id=np.where(is_target, contributor - rows, np.where(of_scene, BED, NOTHING)).astype(np.int16),
-        material=np.where(of_scene, contributor_materials(arrays)[contributor], NO_MATERIAL).astype(np.int16),
-        shadow=found.shadow,
-        shadow_id=found.shadow_id,
-        ground_range=found.ground_range,
-        incidence=np.degrees(found.incidence),
-        path=np.where(has_echo, path, NO_PATH).astype(np.int8),
-        volume_id=np.full(found.shadow_id.shape, NOTHING, np.int16),
-        caustic=found.caustic,
-        target_echo=found.target_echo,
+def describe_contributors(arrays: SceneArrays) -> Contributors:
+    """Describe the contributors by every path: their targets and materials, none of the sea surface."""
+    path, contributor = np.divmod(np.arange(count_contributors(arrays) * PATH_COUNT), count_contributors(arrays))
+    rows, of_scene = arrays.reflectivity.shape[0], path != SURFACE_ECHO
+    target = np.where(contributor >= rows, contributor - rows, BED)
+    return Contributors(
+        np.where(of_scene, target, NOTHING).astype(np.int16),
+        np.where(of_scene, contributor_materials(arrays)[contributor], NO_MATERIAL).astype(np.int16),
+        path.astype(np.int8),
     )

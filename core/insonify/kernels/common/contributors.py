@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined
+from insonify.compiler.jit import inlined_uncounted
 
 # In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3
@@ -30,7 +30,7 @@ def empty_contributor_table(count: int, bins: int) -> ContributorTable:
     return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine)
 
 
-@inlined
+@inlined_uncounted
 def open_contributor(contributions, who):
     """Clear a contributor's row if it is not present yet, and mark it present."""
     if not contributions.present[who]:
@@ -39,15 +39,32 @@ def open_contributor(contributions, who):
         contributions.strongest[who, :] = -1.0
 
 
-@inlined
-def spanned_bins(near, far, per_bin, bins, margin):
-    """First range bin that a stretch of slant range touches, and the one after its last."""
-    if not near * per_bin < bins:  # or NaN, a hole in the bed
+class ContributorRow(NamedTuple):
+    """Row of one contributor in a table."""
+
+    energy: NDArray[np.float64]
+    strongest: NDArray[np.float64]
+    x: NDArray[np.float32]
+    cosine: NDArray[np.float32]
+
+
+@inlined_uncounted
+def contributor_row(contributions, who):
+    """Row of one contributor."""
+    return ContributorRow(
+        contributions.energy[who], contributions.strongest[who], contributions.x[who], contributions.cosine[who]
+    )
+
+
+@inlined_uncounted
+def spanned_bins(near, far, bins):
+    """First range bin that a stretch of slant range, in bins, touches within rounding, and the one after its last."""
+    if not near < bins:  # or NaN, a hole in the bed
         return 0, 0
-    return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
+    return max(int(near - ROUNDING), 0), int(min(far + ROUNDING, bins - 1.0)) + 1
 
 
-@inlined
+@inlined_uncounted
 def add_contribution(contributions, who, k, energy, x, cosine):
     """Add energy to a contributor's share in one range bin, and keep where its strongest echo comes from."""
     contributions.energy[who, k] += energy
@@ -55,14 +72,13 @@ def add_contribution(contributions, who, k, energy, x, cosine):
         contributions.strongest[who, k], contributions.x[who, k], contributions.cosine[who, k] = energy, x, cosine
 
 
-@inlined
+@inlined_uncounted
 def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_length):
     """Add energy that is spread evenly between two slant ranges to a contributor's share in the bins between."""
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = spanned_bins(near, far, 1.0, contributions.energy.shape[1], ROUNDING)
-    if far - near > POINT:
-        for k in range(first, last):
+    first, last = spanned_bins(near, far, contributions.energy.shape[1])
+    for k in range(first, last):
+        share = 1.0 if k == int(near) else 0.0
+        if far - near > POINT:
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-            add_contribution(contributions, who, k, energy * share, x, cosine)
-    elif first < last:
-        add_contribution(contributions, who, min(int(near), last - 1), energy, x, cosine)
+        add_contribution(contributions, who, k, energy * share, x, cosine)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.sweep.target_echoes import target_of_body as target_of_body
 
 NO_TARGET = -2  # in place of a target's index
@@ -31,7 +31,7 @@ def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
     return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)))
 
 
-@inlined
+@inlined_uncounted
 def open_shadow(shadows, target):
     """Clear a target's row if it is not present yet, and mark it present."""
     if not shadows.present[target]:
@@ -39,10 +39,10 @@ def open_shadow(shadows, target):
         shadows.energy[target, :] = 0.0
 
 
-@kernel
-def label_shadows(shadows, contributions, materials, labels, ping, side):
+@kernel_uncounted
+def label_shadows(shadows, contributions, materials, labels, place, side):
     """Label each bin of one side with the share of the bed's echo that targets hide, and clear the table."""
-    share, target = labels.shadow[ping, side], labels.shadow_id[ping, side]
+    share, target = labels.shadow[place, side], labels.shadow_id[place, side]
     share[:], target[:] = 0.0, NO_TARGET
     if not shadows.present.any():
         return

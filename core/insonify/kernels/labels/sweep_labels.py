@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.kernels.bed.profile import list_marked
 from insonify.kernels.common.contributors import (
-    ROUNDING,
     add_contribution,
+    contributor_row,
     open_contributor,
     spanned_bins,
     spread_contribution,
@@ -22,8 +23,8 @@ from insonify.kernels.common.contributors import (
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.labels.bed_stretches import BEHIND_TARGET, VISIBLE, empty_stretches, split_segment
-from insonify.kernels.labels.shadows import label_shadows, open_shadow
+from insonify.kernels.labels.bed_stretches import BEHIND_BED, empty_stretches, split_segment
+from insonify.kernels.labels.shadows import NO_TARGET, label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
@@ -45,25 +46,48 @@ from insonify.kernels.sweep.partial_segments import (
     visible_from,
 )
 from insonify.kernels.sweep.sweep import aim_plane, sweep_plane
-from insonify.kernels.sweep.target_echoes import BedHorizon, load_cell, visible_facet
+from insonify.kernels.sweep.target_echoes import BedHorizon, cell_facet, is_cell_clear, load_cell, visible_facet
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
 
+FEW = 3  # range bins that most segments touch at most
+NOT_TOUCHED = -2.0  # energy in a bin that a segment does not reach, less than that of any echo and of none
+NO_MATERIAL = NO_PATH = -1
 HALVES = 2  # least number of parts of a facet; labels add up their energies
 
 
-class BinLabels(NamedTuple):
-    """Labels of each range bin, by ping, side and bin."""
+class Contributors(NamedTuple):
+    """What a bin is labelled with, by the row of its greatest contributor: the scene's by each path in turn."""
 
-    # Material of the bed, or number of materials + index of a target, offset for each later path; or NOBODY.
-    contributor: NDArray[np.int32]
-    energy: NDArray[np.float32]  # of that contributor, in units of all bins at that range
-    shadow: NDArray[np.float32]  # share of the bed's echo by the direct path that targets hide
-    shadow_id: NDArray[np.int16]  # target that hides most of it, -2 where none does
-    ground_range: NDArray[np.float32]  # m, NaN where nothing returns
-    incidence: NDArray[np.float32]  # rad, NaN where nothing returns
-    target_echo: NDArray[np.float32]  # (pings, 2, targets) direct echo of each target over all bins, m² by law SONAR
-    caustic: NDArray[np.bool_]  # whether sound near a caustic returns, where an Airy function takes the place of rays
+    target: NDArray[np.int16]
+    material: NDArray[np.int16]
+    path: NDArray[np.int8]
+
+
+class BinLabels(NamedTuple):
+    """Labels of each range bin, by ping, side and bin, as `RecordLabels` describes them."""
+
+    target_id: NDArray[np.int16]
+    material: NDArray[np.int16]
+    path: NDArray[np.int8]
+    energy: NDArray[np.float32]  # of the greatest contributor, in units of all bins at that range
+    shadow: NDArray[np.float32]
+    shadow_id: NDArray[np.int16]
+    ground_range: NDArray[np.float32]
+    cosine: NDArray[np.float32]  # of the incidence
+    target_echo: NDArray[np.float32]
+    caustic: NDArray[np.bool_]
+
+
+class SpreadEcho(NamedTuple):
+    """An echo that is spread evenly over slant range; slant ranges are in bins."""
+
+    near: float
+    far: float
+    density: float  # per bin, in fixed-point units
+    x: float  # true ground range at slant range 0, m
+    run: float  # and its change per bin
+    facing: float  # cosine of the incidence times slant range
 
 
 class LabelledSegment(NamedTuple):
@@ -76,39 +100,19 @@ class LabelledSegment(NamedTuple):
     bin_length: float
 
 
-class Stretch(NamedTuple):
-    """Part of a segment along which slant range grows or falls throughout."""
-
-    x_from: float  # ground range at which it begins, m
-    x_to: float  # and ends
-    near: float  # least slant range, m
-    far: float  # greatest
-    outward: bool  # whether slant range grows with ground range
-
-
 def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
-    """Make room for the labels of a record."""
+    """Make room for the labels of a record; none by a caustic, and no echo of targets."""
     shape = (pings, 2, bins)
-    energy, shadow, ground_range, incidence = np.empty((4, *shape), np.float32)
-    return BinLabels(
-        contributor=np.empty(shape, np.int32),
-        energy=energy,
-        shadow=shadow,
-        shadow_id=np.empty(shape, np.int16),
-        ground_range=ground_range,
-        incidence=incidence,
-        target_echo=np.zeros((pings, 2, targets), np.float32),
-        caustic=np.zeros(shape, np.bool_),
-    )
-
-
-def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
-    """Labels of pings first to last - 1, as views."""
-    return BinLabels(*(column[first:last] for column in labels))  # type: ignore[arg-type]
+    (target, material, shadow_id), path = np.empty((3, *shape), np.int16), np.empty(shape, np.int8)
+    energy, shadow, ground_range, cosine = np.empty((4, *shape), np.float32)
+    target_echo, caustic = np.zeros((pings, 2, targets), np.float32), np.zeros(shape, np.bool_)
+    return BinLabels(target, material, path, energy, shadow, shadow_id, ground_range, cosine, target_echo, caustic)
 
 
 @kernel
-def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multipath, contributions, shadows, labels):
+def label_swept_pings(
+    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, contributions, shadows, labels, places
+):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
     Parameters
@@ -117,11 +121,12 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
         n pings.
     fan, image_fan : AzimuthFan
         Planes of the sonar's beam, and of its image's in the sea surface.
-    apparent, workspace, multipath : ApparentTables, SweepWorkspace, MultipathWorkspace
+    apparent, contributors : ApparentTables, Contributors
+    workspace, multipath : SweepWorkspace, MultipathWorkspace
     contributions, shadows : ContributorTable, ShadowTable
         Empty, with a row for every contributor by every path, and one for every target.
-    labels : BinLabels
-        Of n pings; takes the result.
+    labels, places : BinLabels, ndarray of int64, shape (n,)
+        Take the result, and where the labels of each ping are.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
@@ -141,12 +146,13 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
                 add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
             materials = arrays.reflectivity.shape[0]
-            label_shadows(shadows, contributions, materials, labels, ping, side)
-            sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[ping, side])
-            label_bins(contributions, straight, by_surface, labels, ping, side)
+            place = places[ping]
+            label_shadows(shadows, contributions, materials, labels, place, side)
+            sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[place, side])
+            label_bins(contributions, contributors, straight, by_surface, labels, place, side)
 
 
-@kernel
+@kernel_uncounted
 def sum_target_echoes(contributions, materials, scale, target_echo):
     """Sum the direct echo of each target over all range bins, before the factor that depends on range alone."""
     for target in range(target_echo.size):
@@ -157,135 +163,134 @@ def sum_target_echoes(contributions, materials, scale, target_echo):
         target_echo[target] = scale * total
 
 
-@kernel
-def label_bins(contributions, straight, by_surface, labels, ping, side):
-    """Label each bin of one side with its greatest contributor, and clear the contributions."""
-    contributor, energy = labels.contributor[ping, side], labels.energy[ping, side]
-    ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
-    contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
+@kernel_uncounted
+def label_bins(contributions, contributors, straight, by_surface, labels, place, side):
+    """Label each bin of one side of one ping with its greatest contributor, and clear the contributions."""
+    target, material, path = labels.target_id[place, side], labels.material[place, side], labels.path[place, side]
+    energy, ground_range, cosine = (
+        labels.energy[place, side],
+        labels.ground_range[place, side],
+        labels.cosine[place, side],
+    )
+    target[:], material[:], path[:] = NO_TARGET, NO_MATERIAL, NO_PATH
+    energy[:], ground_range[:], cosine[:] = 0.0, np.nan, np.nan
     for row in range(contributions.present.size):
-        if contributions.present[row]:
-            for k in range(straight.size):
-                best = contributor[k]
-                if (
-                    straight[k] + by_surface[k] > 0.0
-                    and contributions.strongest[row, k] >= 0.0
-                    and (best == NO_PRIMITIVE or contributions.energy[row, k] > contributions.energy[best, k])
-                ):
-                    contributor[k] = row
-    for k in range(straight.size):
-        if contributor[k] != NO_PRIMITIVE:
-            energy[k] = contributions.energy[contributor[k], k]
-            ground_range[k] = contributions.x[contributor[k], k]
-            incidence[k] = math.acos(min(contributions.cosine[contributor[k], k], 1.0))
+        if not contributions.present[row]:
+            continue
+        own = contributor_row(contributions, row)
+        own_target, own_material, own_path = (
+            contributors.target[row],
+            contributors.material[row],
+            contributors.path[row],
+        )
+        for k in range(straight.size):
+            is_echo = straight[k] + by_surface[k] > 0.0 and own.strongest[k] >= 0.0
+            if is_echo and (path[k] == NO_PATH or np.float32(own.energy[k]) > energy[k]):
+                target[k], material[k], path[k] = own_target, own_material, own_path
+                energy[k], ground_range[k], cosine[k] = own.energy[k], own.x[k], own.cosine[k]
     contributions.present[:] = False
 
 
-@kernel
+@kernel_uncounted
 def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows):
     """Note the contribution of every visible segment of a profile, and the echo that targets hide of those segments."""
+    if count < 2:
+        return
+    _note_whole_segments(profile, count, sector.bent, echoes, 1.0 / arrays.bin_length, contributions)
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, ratios = profile.material, echoes.weight, profile.range_ratio
-    for i in range(count - 1):
-        if not echoes.cut[i] and echoes.energy[i] == 0.0:
-            continue
+    for k in range(list_marked(echoes.cut, count - 1, echoes.marked)):
+        i = echoes.marked[k]
         segment = load_segment(i, x, z, slope, area, facing, material, weights, arrays.reflectivity, sector)
         ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
         labelled = LabelledSegment(segment, material[i], ratio, arrays.law, arrays.bin_length)
         open_contributor(contributions, material[i])
-        if not echoes.cut[i]:
-            density = abs(echoes.energy[i])
-            _note_whole_segment(contributions, labelled, x[i], x[i + 1], echoes.r[i], echoes.r[i + 1], density)
-            continue
         risen = visible_from(segment, x[i], x[i + 1], echoes.launch[i], echoes.horizon[i])
-        n = split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)
-        _note_stretches(contributions, shadows, labelled, stretches, n)
+        for s in range(split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)):
+            hider, start, stop = stretches.hider[s], stretches.x_from[s], stretches.x_to[s]
+            if hider != NO_TARGET:
+                open_shadow(shadows, hider)
+            if stretches.state[s] != BEHIND_BED:
+                foot = nearest_ground_range(segment, start, stop)
+                _note_stretch(contributions, shadows, labelled, hider, start, foot)
+                _note_stretch(contributions, shadows, labelled, hider, foot, stop)
 
 
-@inlined
-def _note_stretches(contributions, shadows, labelled, stretches, n):
-    """Note the visible stretches of a segment, and those that targets hide; neighbours behind one target are one."""
-    k = 0
-    while k < n:
-        state, target, start, stop = stretches.state[k], stretches.hider[k], stretches.x_from[k], stretches.x_to[k]
-        k += 1
-        while state == BEHIND_TARGET and k < n and stretches.hider[k] == target and stretches.x_from[k] == stop:
-            stop, k = stretches.x_to[k], k + 1
-        foot = nearest_ground_range(labelled.segment, start, stop)
-        if state == VISIBLE:
-            _note_stretch(contributions, labelled, start, foot)
-            _note_stretch(contributions, labelled, foot, stop)
-        elif state == BEHIND_TARGET:
-            open_shadow(shadows, target)
-            _hide_stretch(shadows.energy, target, labelled, start, foot)
-            _hide_stretch(shadows.energy, target, labelled, foot, stop)
+@inlined_uncounted
+def _note_whole_segments(profile, count, bent, echoes, per_bin, contributions):
+    """Note every segment that is visible whole; its energy is spread evenly over its slant range."""
+    x, ratios, material, row = profile.x, profile.range_ratio, profile.material, -1
+    r, cos_squared, density = echoes.r, echoes.cos_squared, echoes.energy
+    own, bins = contributor_row(contributions, 0), contributions.energy.shape[1]
+    for i in range(count - 1):
+        if density[i] == 0.0:
+            continue
+        if material[i] != row:
+            row = material[i]
+            open_contributor(contributions, row)
+            own = contributor_row(contributions, row)
+        near, far = r[i] * per_bin, r[i + 1] * per_bin
+        a, b = min(near, far), max(near, far)
+        ratio = 0.5 * (ratios[i] + ratios[i + 1]) if bent else 1.0
+        run = (x[i + 1] - x[i]) / ((far - near) * ratio)
+        # The height of the segment's line over nadir, by √area: cos α is inverse to the slant range along it.
+        facing = math.sqrt(cos_squared[i]) * 0.5 * (a + b)
+        echo = SpreadEcho(a, b, abs(np.float64(density[i])), x[i] / ratio - near * run, run, facing)
+        first, last = spanned_bins(a, b, bins)
+        if last - first > FEW or first + FEW > bins:
+            for k in range(first, last):
+                _note_in_bin(own, np.uint64(k), True, echo)
+        else:
+            # So many whatever the segment: a loop of any length costs more than the bins that it leaves out.
+            for k in range(FEW):
+                _note_in_bin(own, np.uint64(first + k), first + k < last, echo)
 
 
-@inlined
-def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, density):
-    """Note a short segment; its energy is spread evenly over its slant range."""
-    segment, row, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
-    energy, strongest, per_bin = contributions.energy[row], contributions.strongest[row], 1.0 / bin_length
-    a, b = min(near, far), max(near, far)
-    first, last = spanned_bins(a, b, per_bin, energy.size, ROUNDING)
-    for k in range(first, last):
-        start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
-        part = density * max(stop - start, 0.0) * per_bin
-        energy[k] += part
-        if part > strongest[k]:
-            r = 0.5 * (start + stop)
-            strongest[k] = part
-            contributions.x[row, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
-            contributions.cosine[row, k] = -segment.facing / (r * math.sqrt(segment.area))
+@inlined_uncounted
+def _note_in_bin(own, k, touched, echo):
+    """Note what of an even echo lies in range bin k, if that is touched; without a branch, for which it is chance."""
+    start, stop = max(echo.near, np.float64(k)), min(echo.far, np.float64(k) + 1.0)
+    part, middle = echo.density * max(stop - start, 0.0), 0.5 * (start + stop)
+    part = part if touched else NOT_TOUCHED
+    strongest, x, cosine = own.strongest[k], own.x[k], own.cosine[k]
+    stronger, x_here, cosine_here = (
+        part > strongest,
+        np.float32(echo.x + echo.run * middle),
+        np.float32(echo.facing / middle),
+    )
+    own.energy[k] += max(part, 0.0)
+    own.strongest[k] = part if stronger else strongest
+    own.x[k] = x_here if stronger else x
+    own.cosine[k] = cosine_here if stronger else cosine
 
 
-@kernel
-def _note_stretch(contributions, labelled, x_from, x_to):
-    """Note a visible stretch of a segment along which slant range grows or falls, bin by bin."""
-    if x_to > x_from:
-        stretch, row = _stretch(labelled.segment, x_from, x_to), labelled.contributor
-        bins = contributions.energy.shape[1]
-        first, last = spanned_bins(stretch.near, stretch.far, 1.0 / labelled.bin_length, bins, ROUNDING)
-        for k in range(first, last):
-            x, cosine, energy = _echo_in_bin(labelled, stretch, k)
-            add_contribution(contributions, row, k, energy, x / labelled.range_ratio, cosine)
-
-
-@kernel
-def _hide_stretch(hidden, target, labelled, x_from, x_to):
-    """Add the echo of a hidden stretch of a segment along which slant range grows or falls to a target's row."""
-    if x_to > x_from:
-        stretch = _stretch(labelled.segment, x_from, x_to)
-        first, last = spanned_bins(stretch.near, stretch.far, 1.0 / labelled.bin_length, hidden.shape[1], 0.0)
-        for k in range(first, last):
-            _, _, energy = _echo_in_bin(labelled, stretch, k)
-            hidden[target, k] += energy
-
-
-@inlined
-def _stretch(segment, x_from, x_to):
-    """Stretch of a segment between two ground ranges on one side of its foot."""
-    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
-    return Stretch(x_from, x_to, min(near, far), max(near, far), far >= near)
-
-
-@inlined
-def _echo_in_bin(labelled, stretch, k):
-    """Ground range, cosine of the incidence and energy of what of a stretch lies in range bin k."""
+@kernel_uncounted
+def _note_stretch(contributions, shadows, labelled, hider, x_from, x_to):
+    """Note a stretch of a segment along which slant range grows or falls, each bin by what of it lies there."""
+    if not x_to > x_from:
+        return
     segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
-    start, stop = max(stretch.near, k * bin_length), min(stretch.far, (k + 1) * bin_length)
-    a = min(max(ground_range_at_slant(segment, start, stretch.outward), stretch.x_from), stretch.x_to)
-    b = min(max(ground_range_at_slant(segment, stop, stretch.outward), stretch.x_from), stretch.x_to)
-    x, side = 0.5 * (a + b), math.sqrt(segment.area)
-    cosine = -segment.facing / (slant_range(segment, x) * side)
-    energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
-    energy *= segment.weight + segment.weight_rate * x
-    energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else side * abs(b - a)
-    return x, cosine, energy
+    one, other = slant_range(segment, x_from), slant_range(segment, x_to)
+    near, far, outward = min(one, other), max(one, other), other >= one
+    begin, per_bin, root = x_from if outward else x_to, 1.0 / bin_length, math.sqrt(segment.area)
+    first, last = spanned_bins(near * per_bin, far * per_bin, contributions.energy.shape[1])
+    for k in range(first, last):
+        start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
+        end = min(max(ground_range_at_slant(segment, stop, outward), x_from), x_to)
+        x, length = 0.5 * (begin + end), abs(end - begin)
+        cosine = -segment.facing / (slant_range(segment, x) * root)
+        energy = backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
+        energy *= FIXED_POINT * (segment.weight + segment.weight_rate * x)
+        energy *= max(stop - start, 0.0) * per_bin if law == LIGHT else root * length
+        if hider == NO_TARGET:
+            add_contribution(contributions, labelled.contributor, k, energy, x / labelled.range_ratio, cosine)
+        else:
+            shadows.energy[hider, k] += energy
+        begin = end
 
 
-@kernel
+@kernel_uncounted
 def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells, contributions):
     """Note the contribution of the nearest target in every cell of the z-buffer, facet by facet as in the sweep."""
     bodies, materials = (arrays.solids, arrays.mesh, arrays.reflectivity), arrays.reflectivity.shape[0]
@@ -296,8 +301,12 @@ def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells
             continue
         cell = load_cell(c, bodies, plane, sector.bent, zbuffer, bed, knot)
         knot, row = cell.knot, materials + cell.target
+        # A cell that is whole has been met along its beginning, its middle and its end.
+        whole = cell.facets == 1 and is_cell_clear(zbuffer, c, bed, knot)
         for k in range(cell.facets):
-            facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
+            facet = cell_facet(zbuffer, c, cell.source)
+            if not whole:
+                facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
             if is_facet_met(facet):
                 open_contributor(contributions, row)
                 weight = facet_weight(facet, cell.source.gain, sector, arrays.pattern, law)
@@ -305,7 +314,7 @@ def _note_targets(profile, count, horizon, arrays, sector, plane, zbuffer, cells
                 _note_facet(facet, weight, span, cell.material, row, cell.source.level, law, bin_length, contributions)
 
 
-@inlined
+@inlined_uncounted
 def _note_facet(facet, weight, span, material, row, level, law, bin_length, contributions):
     """Note the contribution of one facet, part by part as in the sweep."""
     curve, x, per_bin = facet_curve(facet), facet.centre * facet.cosine / level, 1.0 / bin_length

@@ -99,7 +99,7 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
         whole = facets == 1 and is_cell_clear(zbuffer, c, bed, knot)
         for k in range(facets):
             # A cell that is whole has been met along its beginning, its middle and its end.
-            facet = cell_facet(zbuffer, c)
+            facet = cell_facet(zbuffer, c, cell.source)
             if not whole:
                 facet = visible_facet(primitive, cell.low, cell.high, k, facets, bed, knot)
             if not is_facet_met(facet):

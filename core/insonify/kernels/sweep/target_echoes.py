@@ -95,7 +95,7 @@ def load_cell(cell, bodies, plane, bent, zbuffer, bed, knot):
     body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
     source = load_apparent_source(bent, zbuffer.source[p])
     primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
-    facet = cell_facet(zbuffer, cell)
+    facet = cell_facet(zbuffer, cell, source)
     material, target = (table[row, 0], table[row, 1], table[row, 2]), target_of_body(solids, mesh, body)
     low, high, knot = zbuffer.edge[cell], zbuffer.edge[cell + 1], knot_before(bed, facet.centre * facet.cosine, knot)
     facets, bounds = _facet_count(facet), (zbuffer.least[p], zbuffer.most[p])
@@ -103,12 +103,12 @@ def load_cell(cell, bodies, plane, bent, zbuffer, bed, knot):
 
 
 @inlined_uncounted
-def cell_facet(zbuffer, cell):
-    """Facet that fills a cell of a z-buffer, where sound goes straight."""
+def cell_facet(zbuffer, cell, source):
+    """Facet that fills a cell of a z-buffer."""
     cosine, sine, distance = zbuffer.cosine, zbuffer.sine, zbuffer.distance[cell]
     c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
     low, high, near, far = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.near[cell], zbuffer.far[cell]
-    return Facet(low, high, c, s, near, distance, far, zbuffer.incidence[cell], distance)
+    return Facet(low, high, c, s, near, distance, far, zbuffer.incidence[cell], rays_apart(source, distance))
 
 
 @inlined_uncounted

@@ -49,18 +49,26 @@ def occlusion_of(zbuffer, cells):
 @inlined_uncounted
 def is_hidden(occlusion, segment, x_from, x_to):
     """Whether targets hide all of a segment of the bed between two ground ranges, by a test without angles."""
+    first, end = hiding_cells(occlusion, segment, x_from, x_to)
+    return first < end
+
+
+@inlined_uncounted
+def hiding_cells(occlusion, segment, x_from, x_to):
+    """First of the cells whose targets hide all of a segment between two ground ranges, and the one after the last."""
     cells = occlusion.edge.size - 1
     z_from, z_to = segment.offset + segment.slope * x_from, segment.offset + segment.slope * x_to
     first = cell_towards(occlusion.cosine, occlusion.sine, cells, x_from, z_from)
     last = cell_towards(occlusion.cosine, occlusion.sine, cells, x_to, z_to)
     if first < 0 or last < 0:
-        return False
+        return 0, 0
+    first, last = min(first, last), max(first, last)
     # The target's nearness times the distance is linear along the segment, and above 1 where the target is nearer.
-    for cell in range(min(first, last), max(first, last) + 1):
+    for cell in range(first, last + 1):
         level, rise = occlusion.nearness_cosine[cell], occlusion.nearness_sine[cell]
         if level * x_from + rise * z_from <= 1.0 or level * x_to + rise * z_to <= 1.0:
-            return False
-    return True
+            return 0, 0
+    return first, last + 1
 
 
 @inlined_uncounted
