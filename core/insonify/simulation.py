@@ -25,7 +25,7 @@ from insonify.record.target_truth import TargetTruth, find_target_truth, join_ta
 from insonify.record.variables import Columns, make_block, record_attributes
 from insonify.scene import Scene, SceneError
 from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
-from insonify.tracers.base import PreparedTracer, prepare_tracer
+from insonify.tracers.base import PreparedTracer, new_record, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.sweep import Sweep
 
@@ -117,20 +117,36 @@ class Simulation(PackedScene):
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        return self.labels(self.poses(pings))
+        labels, _ = self.labels(self.poses(pings))
+        return labels
 
-    def labels(self, poses: Poses, echoes: Singles | None = None) -> RecordLabels:
-        """Label every range bin of pings at given poses, as `truth` does; ``echoes`` as `trace_labels` takes them."""
-        settings = self.plan.label_settings | {"echoes": echoes}
+    def labels(self, poses: Poses, targets_alone: bool = False) -> tuple[RecordLabels, Singles | None]:
+        """Label every range bin of pings at given poses, as `truth` does; and trace them where that is the same work.
+
+        With ``targets_alone`` pings that show the bed alone are not labelled with its places.
+        """
+        settings, traces = self.plan.label_settings, self._traces_by_labelling
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
         share = 0.0 if crosstalk is None else crosstalk.share
 
-        def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
+        def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
             volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-            return trace_labels(tile, some, crosstalk=share, volumes=volumes, **settings)
+            echoes = new_record(tile, some)
+            alone = targets_alone and self._shows_bed
+            labels = trace_labels(
+                tile,
+                some,
+                crosstalk=share,
+                volumes=volumes,
+                echoes=echoes if traces else None,
+                targets_alone=alone,
+                **settings,
+            )
+            return *labels, echoes
 
         with limited_threads(self.threads):
-            return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))
+            *labels, echoes = self.tiles.map(label_tile, self.reduced, poses)
+        return RecordLabels(*labels), echoes if traces else None
 
     def pings_within(self, seconds: float) -> int:
         """Return the number of pings that take about so long by the plan's cost, at least 1."""
@@ -169,20 +185,22 @@ class Simulation(PackedScene):
 
     def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
         """Intensity of some pings, and their labels if requested."""
-        if truth != "targets":
-            labels = self.labels(poses)._asdict() if truth else {}
-            return {"intensity": self.record(pings, poses, out)} | labels
-        with limited_threads(self.threads):
-            traced = np.asarray(self.trace(poses), np.float32) if self._shows_bed else None
-        whole = self.labels(poses, traced)._asdict()
-        return {"intensity": self.record(pings, poses, out, traced)} | {name: whole[name] for name in OF_TARGETS}
+        if not truth:
+            return {"intensity": self.record(pings, poses, out)}
+        labels, traced = self.labels(poses, truth == "targets")
+        names = OF_TARGETS if truth == "targets" else labels._fields
+        return {"intensity": self.record(pings, poses, out, traced)} | {name: getattr(labels, name) for name in names}
+
+    @property
+    def _traces_by_labelling(self) -> bool:
+        """Whether the sweep that labels finds the echoes of the record, which has no others by way of the surface."""
+        return isinstance(self.tracer, Sweep) and not self.reduced.multipath.enabled
 
     @property
     def _shows_bed(self) -> bool:
         """Whether traced echoes of pings that meet no target are those of the bed, by the direct path alone."""
         others = self.reception.find(WaterColumn) or self.reception.find(Crosstalk) or self.scene.seabed.endless
-        more = self.reduced.multipath.enabled or self.reduced.water.bent
-        return isinstance(self.tracer, Sweep) and not (others or more)
+        return self._traces_by_labelling and not (others or self.reduced.water.bent)
 
     def _block_size(self, truth: Truth, *, streamed: bool) -> int:
         """Return the number of pings to trace at a time, by time and by the memory that a block takes."""

@@ -17,6 +17,7 @@ from insonify.kernels.labels import echo_parts as kernels
 from insonify.kernels.labels.bed_stretches import VISIBLE
 from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.shadows import NO_TARGET
+from insonify.kernels.labels.sweep_labels import NO_MATERIAL
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
@@ -25,7 +26,7 @@ from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.labels import NO_MATERIAL, contributor_materials, count_contributors
+from insonify.tracers.labels import contributor_materials, count_contributors
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """Labels of a record by the geometry of the sweep: target, material and path of every range bin."""
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,8 +30,8 @@ from insonify.packing.packed_scene import without_targets
 from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.base import share_blocks
-from insonify.tracers.sweep import pings_a_thread
+from insonify.tracers.base import new_record, share_blocks
+from insonify.tracers.sweep import pings_a_thread, trace
 from insonify.tracers.target_planes import find_pings_met
 
 NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
@@ -78,17 +79,20 @@ def trace_labels(
     crosstalk: float = 0.0,
     volumes: Singles | None = None,
     echoes: Singles | None = None,
+    targets_alone: bool = False,
     threads: int | None = None,
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
-    With ``echoes``, traced by the same planes, pings that meet no target have the bed wherever there is one, of no
-    place, incidence and material.
+    ``echoes`` takes those by the direct path, as the sweep traces them. With ``targets_alone`` pings that meet no
+    target have the bed wherever there is an echo, of no place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
     found, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
     apparent, folded = make_apparent_tables(arrays, poses)
     rooms = PerThread(lambda: _make_room(arrays, apparent))
+    trace_some = partial(trace, arrays, planes=planes, across=across, rays=rays, threads=threads)
+    traced = new_record(arrays, poses) if echoes is None else echoes
     by_rays = np.flatnonzero(folded)
     if by_rays.size > 0:
         bare = without_targets(arrays)
@@ -99,16 +103,21 @@ def trace_labels(
 
         share_blocks(take_poses(poses, by_rays), follow_rays, threads)
         found.energy[by_rays] *= FIXED_POINT  # rays count in plain units
+        if echoes is not None:
+            echoes[by_rays] = trace_some(take_poses(poses, by_rays))
     clear = np.flatnonzero(~folded)
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
         places = clear[among]
-        if echoes is not None:
+        if targets_alone:
             met = find_pings_met(arrays, take_poses(poses, places), beams[0])
-            _label_bed(found, places[~met], echoes[places[~met]])
+            if not met.all():
+                others = places[~met]
+                traced[others] = trace_some(take_poses(poses, others))
+                _label_bed(found, others, traced[others])
             places = places[met]
 
         if places.size > 0:
-            _sweep(arrays, take_poses(poses, places), places, beams, apparent, described, rooms, found, threads)
+            _sweep(arrays, take_poses(poses, places), places, beams, apparent, described, rooms, found, traced, threads)
     labels = RecordLabels(
         target_id=found.target_id,
         material=found.material,
@@ -149,12 +158,13 @@ def _sweep(
     described: Contributors,
     rooms: PerThread[tuple[Any, ...]],
     found: BinLabels,
+    traced: Singles,
     threads: int | None,
 ) -> None:
     """Label pings that share their planes, each at its place."""
 
     def block(part: Poses, first: int, last: int) -> None:
-        label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, found, places[first:last])
+        label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, found, traced, places[first:last])
 
     share_blocks(poses, block, threads, pings_a_thread(beams[0]))
 

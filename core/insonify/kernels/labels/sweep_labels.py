@@ -111,7 +111,19 @@ def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
 
 @kernel
 def label_swept_pings(
-    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, contributions, shadows, labels, places
+    arrays,
+    poses,
+    fan,
+    image_fan,
+    apparent,
+    contributors,
+    workspace,
+    multipath,
+    contributions,
+    shadows,
+    labels,
+    traced,
+    places,
 ):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
@@ -125,16 +137,22 @@ def label_swept_pings(
     workspace, multipath : SweepWorkspace, MultipathWorkspace
     contributions, shadows : ContributorTable, ShadowTable
         Empty, with a row for every contributor by every path, and one for every target.
-    labels, places : BinLabels, ndarray of int64, shape (n,)
-        Take the result, and where the labels of each ping are.
+    labels : BinLabels
+        Takes the result.
+    traced : ndarray of float32, shape (pings, 2, bins)
+        Takes the intensity by the direct path, as `sweep_pings` finds it.
+    places : ndarray of int64, shape (n,)
+        Rows of both that are these pings'.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    straight, by_surface = np.zeros((2, arrays.bins), np.float32)
+    by_surface = np.zeros(arrays.bins, np.float32)
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     stretches = empty_stretches(zbuffer)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
+            place = places[ping]
+            straight = traced[place, side]
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
@@ -146,7 +164,6 @@ def label_swept_pings(
                 add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
             materials = arrays.reflectivity.shape[0]
-            place = places[ping]
             label_shadows(shadows, contributions, materials, labels, place, side)
             sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[place, side])
             label_bins(contributions, contributors, straight, by_surface, labels, place, side)
