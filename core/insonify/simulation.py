@@ -193,14 +193,17 @@ class Simulation(PackedScene):
 
     @property
     def _traces_by_labelling(self) -> bool:
-        """Whether the sweep that labels finds the echoes of the record, which has no others by way of the surface."""
-        return isinstance(self.tracer, Sweep) and not self.reduced.multipath.enabled
+        """Whether the sweep that labels finds the echoes of the record; by way of waves it takes them one by one."""
+        multipath = self.reduced.multipath
+        waves = multipath.enabled and (multipath.rms_height > 0.0 or multipath.slope_variance > 0.0)
+        return isinstance(self.tracer, Sweep) and not waves
 
     @property
     def _shows_bed(self) -> bool:
         """Whether traced echoes of pings that meet no target are those of the bed, by the direct path alone."""
         others = self.reception.find(WaterColumn) or self.reception.find(Crosstalk) or self.scene.seabed.endless
-        return self._traces_by_labelling and not (others or self.reduced.water.bent)
+        more = self.reduced.multipath.enabled or self.reduced.water.bent
+        return self._traces_by_labelling and not (others or more)
 
     def _block_size(self, truth: Truth, *, streamed: bool) -> int:
         """Return the number of pings to trace at a time, by time and by the memory that a block takes."""

@@ -10,6 +10,8 @@ from insonify.compiler.jit import inlined_uncounted
 # In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3
 POINT = 1e-6  # in bins; what is shorter lies in one
+FEW = 3  # range bins that most segments touch at most
+NOT_TOUCHED = -2.0  # energy in a bin that an echo does not reach, less than that of any echo and of none
 
 
 class ContributorTable(NamedTuple):
@@ -48,6 +50,17 @@ class ContributorRow(NamedTuple):
     cosine: NDArray[np.float32]
 
 
+class SpreadEcho(NamedTuple):
+    """Echo of a segment of the bed that is spread evenly over slant range; slant ranges are in bins."""
+
+    near: float
+    far: float
+    density: float  # per bin, in fixed-point units
+    x: float  # true ground range at slant range 0, m
+    run: float  # and its change per bin
+    facing: float  # cosine of the incidence times slant range
+
+
 @inlined_uncounted
 def contributor_row(contributions, who):
     """Row of one contributor."""
@@ -82,3 +95,32 @@ def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_le
         if far - near > POINT:
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
         add_contribution(contributions, who, k, energy * share, x, cosine)
+
+
+@inlined_uncounted
+def spread_echo(own, echo):
+    """Add an echo that is spread evenly to a contributor's share in the bins that it touches."""
+    bins = own.energy.size
+    first, last = spanned_bins(echo.near, echo.far, bins)
+    if last - first > FEW or first + FEW > bins:
+        for k in range(first, last):
+            _add_in_bin(own, np.uint64(k), True, echo)
+    else:
+        # So many whatever the segment: a loop of any length costs more than the bins that it leaves out.
+        for k in range(FEW):
+            _add_in_bin(own, np.uint64(first + k), first + k < last, echo)
+
+
+@inlined_uncounted
+def _add_in_bin(own, k, touched, echo):
+    """Add what of an even echo lies in range bin k, if that is touched; without a branch, for which it is chance."""
+    start, stop = max(echo.near, np.float64(k)), min(echo.far, np.float64(k) + 1.0)
+    part, middle = echo.density * max(stop - start, 0.0), 0.5 * (start + stop)
+    part = part if touched else NOT_TOUCHED
+    x_here, cosine_here = np.float32(echo.x + echo.run * middle), np.float32(echo.facing / middle)
+    strongest, x, cosine = own.strongest[k], own.x[k], own.cosine[k]
+    stronger = part > strongest
+    own.energy[k] += max(part, 0.0)
+    own.strongest[k] = part if stronger else strongest
+    own.x[k] = x_here if stronger else x
+    own.cosine[k] = cosine_here if stronger else cosine

@@ -35,7 +35,7 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
     labels, places : BinLabels, ndarray of int64, shape (n,)
         Take the result, and where the labels of each ping are.
     """
-    aim, intensity, silence = unaimed(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
+    aim, intensity = unaimed(rays), np.empty(arrays.bins)
     for ping in range(poses.x.size):
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
@@ -49,7 +49,7 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
             materials = arrays.reflectivity.shape[0]
             label_shadows(shadows, contributions, materials, labels, place, side)
             sum_target_echoes(contributions, materials, 1.0, labels.target_echo[place, side])
-            label_bins(contributions, contributors, intensity, silence, labels, place, side)
+            label_bins(contributions, contributors, intensity, labels, place, side)
 
 
 @kernel

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.bed.profile import list_marked
 from insonify.kernels.common.contributors import (
+    SpreadEcho,
     add_contribution,
     contributor_row,
     open_contributor,
     spanned_bins,
     spread_contribution,
+    spread_echo,
 )
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
@@ -50,8 +52,6 @@ from insonify.kernels.sweep.target_echoes import BedHorizon, cell_facet, is_cell
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
 
-FEW = 3  # range bins that most segments touch at most
-NOT_TOUCHED = -2.0  # energy in a bin that a segment does not reach, less than that of any echo and of none
 NO_MATERIAL = NO_PATH = -1
 HALVES = 2  # least number of parts of a facet; labels add up their energies
 
@@ -77,17 +77,6 @@ class BinLabels(NamedTuple):
     cosine: NDArray[np.float32]  # of the incidence
     target_echo: NDArray[np.float32]
     caustic: NDArray[np.bool_]
-
-
-class SpreadEcho(NamedTuple):
-    """An echo that is spread evenly over slant range; slant ranges are in bins."""
-
-    near: float
-    far: float
-    density: float  # per bin, in fixed-point units
-    x: float  # true ground range at slant range 0, m
-    run: float  # and its change per bin
-    facing: float  # cosine of the incidence times slant range
 
 
 class LabelledSegment(NamedTuple):
@@ -140,7 +129,7 @@ def label_swept_pings(
     labels : BinLabels
         Takes the result.
     traced : ndarray of float32, shape (pings, 2, bins)
-        Takes the intensity by the direct path, as `sweep_pings` finds it.
+        Takes the intensity, as `sweep_pings` and `sweep_multipath` find it.
     places : ndarray of int64, shape (n,)
         Rows of both that are these pings'.
     """
@@ -152,21 +141,23 @@ def label_swept_pings(
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             place = places[ping]
-            straight = traced[place, side]
+            intensity = traced[place, side]
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
                 _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
-            accumulate_bins(bins, arrays.range_factor, straight)
+            accumulate_bins(bins, arrays.range_factor, intensity)
             if arrays.multipath.enabled:
                 sink = EchoSink(bins, contributions, True)
                 add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
+                for k in range(arrays.bins):
+                    intensity[k] += by_surface[k]
             materials = arrays.reflectivity.shape[0]
             label_shadows(shadows, contributions, materials, labels, place, side)
             sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[place, side])
-            label_bins(contributions, contributors, straight, by_surface, labels, place, side)
+            label_bins(contributions, contributors, intensity, labels, place, side)
 
 
 @kernel_uncounted
@@ -181,7 +172,7 @@ def sum_target_echoes(contributions, materials, scale, target_echo):
 
 
 @kernel_uncounted
-def label_bins(contributions, contributors, straight, by_surface, labels, place, side):
+def label_bins(contributions, contributors, intensity, labels, place, side):
     """Label each bin of one side of one ping with its greatest contributor, and clear the contributions."""
     target, material, path = labels.target_id[place, side], labels.material[place, side], labels.path[place, side]
     energy, ground_range, cosine = (
@@ -200,8 +191,8 @@ def label_bins(contributions, contributors, straight, by_surface, labels, place,
             contributors.material[row],
             contributors.path[row],
         )
-        for k in range(straight.size):
-            is_echo = straight[k] + by_surface[k] > 0.0 and own.strongest[k] >= 0.0
+        for k in range(intensity.size):
+            is_echo = intensity[k] > 0.0 and own.strongest[k] >= 0.0
             if is_echo and (path[k] == NO_PATH or np.float32(own.energy[k]) > energy[k]):
                 target[k], material[k], path[k] = own_target, own_material, own_path
                 energy[k], ground_range[k], cosine[k] = own.energy[k], own.x[k], own.cosine[k]
@@ -239,7 +230,7 @@ def _note_whole_segments(profile, count, bent, echoes, per_bin, contributions):
     """Note every segment that is visible whole; its energy is spread evenly over its slant range."""
     x, ratios, material, row = profile.x, profile.range_ratio, profile.material, -1
     r, cos_squared, density = echoes.r, echoes.cos_squared, echoes.energy
-    own, bins = contributor_row(contributions, 0), contributions.energy.shape[1]
+    own = contributor_row(contributions, 0)
     for i in range(count - 1):
         if density[i] == 0.0:
             continue
@@ -253,33 +244,7 @@ def _note_whole_segments(profile, count, bent, echoes, per_bin, contributions):
         run = (x[i + 1] - x[i]) / ((far - near) * ratio)
         # The height of the segment's line over nadir, by √area: cos α is inverse to the slant range along it.
         facing = math.sqrt(cos_squared[i]) * 0.5 * (a + b)
-        echo = SpreadEcho(a, b, abs(np.float64(density[i])), x[i] / ratio - near * run, run, facing)
-        first, last = spanned_bins(a, b, bins)
-        if last - first > FEW or first + FEW > bins:
-            for k in range(first, last):
-                _note_in_bin(own, np.uint64(k), True, echo)
-        else:
-            # So many whatever the segment: a loop of any length costs more than the bins that it leaves out.
-            for k in range(FEW):
-                _note_in_bin(own, np.uint64(first + k), first + k < last, echo)
-
-
-@inlined_uncounted
-def _note_in_bin(own, k, touched, echo):
-    """Note what of an even echo lies in range bin k, if that is touched; without a branch, for which it is chance."""
-    start, stop = max(echo.near, np.float64(k)), min(echo.far, np.float64(k) + 1.0)
-    part, middle = echo.density * max(stop - start, 0.0), 0.5 * (start + stop)
-    part = part if touched else NOT_TOUCHED
-    strongest, x, cosine = own.strongest[k], own.x[k], own.cosine[k]
-    stronger, x_here, cosine_here = (
-        part > strongest,
-        np.float32(echo.x + echo.run * middle),
-        np.float32(echo.facing / middle),
-    )
-    own.energy[k] += max(part, 0.0)
-    own.strongest[k] = part if stronger else strongest
-    own.x[k] = x_here if stronger else x
-    own.cosine[k] = cosine_here if stronger else cosine
+        spread_echo(own, SpreadEcho(a, b, abs(np.float64(density[i])), x[i] / ratio - near * run, run, facing))
 
 
 @kernel_uncounted

@@ -15,11 +15,18 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern_samples import SampleRoom
 from insonify.kernels.bed.profile import WORD, padded_count
+from insonify.kernels.common.contributors import SpreadEcho, contributor_row, open_contributor, spread_echo
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.echo_list import SurfaceEcho, list_echo
-from insonify.kernels.multipath.image_sources import height_delay, pair_strength, spreading_ratio, tilt_delay
+from insonify.kernels.multipath.image_sources import (
+    PATH_COUNT,
+    height_delay,
+    pair_strength,
+    spreading_ratio,
+    tilt_delay,
+)
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.segment_densities import deposit_densities
 
@@ -54,7 +61,7 @@ def empty_paired_echoes(capacity: int, dtype: DTypeLike) -> PairedEchoes:
 
 
 @kernel_uncounted
-def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, labelling, echoes, bins):
+def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, sink, echoes):
     """Spread the echoes of segments that both images see whole over the range bins; mark the others they see."""
     knots = padded_count(count)
     r, r_one, r_other = echoes.r, one.r, other.r
@@ -72,12 +79,16 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, lab
         echoes.scale,
         echoes.energy,
     )
-    _mark_parted(knots, profile.area, one, other, pair, hidden, labelling, echoes)
+    rough = pair.rms_height > 0.0 or pair.slope_variance > 0.0
+    _mark_parted(knots, profile.area, one, other, pair, hidden, sink.labelling and rough, echoes)
     echoes.energy[count - 1] = 0.0
-    if pair.rms_height > 0.0 or pair.slope_variance > 0.0:
-        _deposit_on_waves(count, profile.x, one.z, pair, arrays.multipath.facets[pair.passes - 1], echoes, bins)
-    else:
-        deposit_densities(count, echoes, pair.bin_length, bins)
+    if rough:
+        facets = arrays.multipath.facets[pair.passes - 1]
+        _deposit_on_waves(count, profile.x, one.z, pair, facets, echoes, sink.bins)
+        return
+    deposit_densities(count, echoes, pair.bin_length, sink.bins)
+    if sink.labelling:
+        _note_whole_segments(profile, count, one, other, pair, echoes, sink.contributions)
 
 
 @inlined_uncounted
@@ -115,7 +126,7 @@ def _measure_pairs(segments, profile, one, pair, echoes):
 
 
 @inlined_uncounted
-def _mark_parted(segments, area, one, other, pair, hidden, labelling, echoes):
+def _mark_parted(segments, area, one, other, pair, hidden, all_parted, echoes):
     """Mark segments seen by both images that must be taken one by one; leave energy only to those seen whole.
 
     Comparisons with NaN, a hole in the bed, are false.
@@ -131,9 +142,33 @@ def _mark_parted(segments, area, one, other, pair, hidden, labelling, echoes):
         covered = (launch[i + 1] > from_one) & (launch[i] < to_one)
         covered |= (launch_other[i + 1] > from_other) & (launch_other[i] < to_other)
         dry = (z[i] >= sea) | (z[i + 1] >= sea)
-        parted = seen & (emerges | covered | dry | cut[i] | labelling)
+        parted = seen & (emerges | covered | dry | cut[i] | all_parted)
         cut[i] = parted
         energy[i] = energy[i] if seen & (not parted) else nothing
+
+
+@kernel_uncounted
+def _note_whole_segments(profile, count, one, other, pair, echoes, contributions):
+    """Note every segment that both images see whole; its energy is spread evenly over its slant range."""
+    x, slope, area, material, row = profile.x, profile.slope, profile.area, profile.material, -1
+    r, z_one, z_other, density, per_bin = echoes.r, one.z, other.z, echoes.energy, 1.0 / pair.bin_length
+    own, first_row = contributor_row(contributions, 0), pair.path * (contributions.present.size // PATH_COUNT)
+    for i in range(count - 1):
+        if density[i] == 0.0:
+            continue
+        if first_row + material[i] != row:
+            row = first_row + material[i]
+            open_contributor(contributions, row)
+            own = contributor_row(contributions, row)
+        near, far = r[i] * per_bin, r[i + 1] * per_bin
+        run, middle = (x[i + 1] - x[i]) / (far - near), 0.5 * (x[i] + x[i + 1])
+        a, b, half = z_one[i] - slope[i] * x[i], z_other[i] - slope[i] * x[i], slope[i] * middle
+        # Sound comes and goes at different incidences, the greater of which counts.
+        nearer = max(a / math.hypot(middle, a + half), b / math.hypot(middle, b + half))
+        facing = -nearer / math.sqrt(area[i]) * 0.5 * (near + far)
+        spread_echo(
+            own, SpreadEcho(min(near, far), max(near, far), abs(np.float64(density[i])), x[i] - near * run, run, facing)
+        )
 
 
 @kernel_uncounted

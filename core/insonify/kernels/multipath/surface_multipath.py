@@ -277,9 +277,7 @@ def _list_bed(arrays, count, pair, images, zbuffers, cells, workspace, sink):
     (one, other), (lower, higher), echoes, segments = images, zbuffers, workspace.echoes, workspace.segments
     occlusions = occlusion_of(lower, cells[0]), occlusion_of(higher, cells[1])
     hidden = occluded_slopes(lower, cells[0]) + occluded_slopes(higher, cells[1])
-    deposit_paired_profile(
-        workspace.profile, count, one, other, pair, hidden, arrays, sink.labelling, segments, sink.bins
-    )
+    deposit_paired_profile(workspace.profile, count, one, other, pair, hidden, arrays, sink, segments)
     profile, weight, n = workspace.profile, segments.weight, 0
     for k in range(list_marked(segments.cut, count - 1, segments.marked)):
         i, table = segments.marked[k], arrays.reflectivity
