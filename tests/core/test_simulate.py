@@ -93,11 +93,12 @@ def test_blocks_of_any_size_make_the_same_record(monkeypatch, truth):
         ("endless", {"receiver.speckle": "rayleigh", "track.pings": 15}),
     ],
 )
-def test_labels_of_targets_alone_are_those_of_the_whole(name, changes):
+def test_labels_of_targets_alone_are_those_of_the_whole_and_change_no_record(name, changes):
     scene = load_scene(name)
     seldom = {"track.pings": min(scene.track.pings // 4, 100), "sonar.ping_rate": scene.sonar.ping_rate / 4.0}
     scene = edit(scene, {**seldom, "sonar.bins": 300, **changes})
-    whole, alone = (simulate(scene, truth=truth) for truth in (True, "targets"))
+    unlabelled, whole, alone = (simulate(scene, truth=truth) for truth in (False, True, "targets"))
+    np.testing.assert_array_equal(whole.intensity, unlabelled.intensity)
     assert {"material", "ground_range", "incidence"}.isdisjoint(alone)
     for found in alone:
         np.testing.assert_array_equal(alone[found], whole[found], err_msg=str(found))

@@ -1,5 +1,6 @@
 """Labels of a record by the geometry of the sweep: target, material and path of every range bin."""
 
+import math
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -181,7 +182,7 @@ def _label_bed(found: BinLabels, places: Integers, echoes: Singles) -> None:
 def degrees_of_incidence(cosine: Singles) -> Singles:
     """Turn cosines of the incidence, which are overwritten, into degrees."""
     np.arccos(np.minimum(cosine, np.float32(1.0), out=cosine), out=cosine)
-    return np.degrees(cosine, out=cosine)
+    return np.multiply(cosine, np.float32(180.0 / math.pi), out=cosine)
 
 
 def empty_tables(arrays: SceneArrays) -> tuple[ContributorTable, ShadowTable]:
