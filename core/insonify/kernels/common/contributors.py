@@ -41,15 +41,6 @@ def open_contributor(contributions, who):
         contributions.strongest[who, :] = -1.0
 
 
-class ContributorRow(NamedTuple):
-    """Row of one contributor in a table."""
-
-    energy: NDArray[np.float64]
-    strongest: NDArray[np.float64]
-    x: NDArray[np.float32]
-    cosine: NDArray[np.float32]
-
-
 class SpreadEcho(NamedTuple):
     """Echo of a segment of the bed that is spread evenly over slant range; slant ranges are in bins."""
 
@@ -63,10 +54,9 @@ class SpreadEcho(NamedTuple):
 
 @inlined_uncounted
 def contributor_row(contributions, who):
-    """Row of one contributor."""
-    return ContributorRow(
-        contributions.energy[who], contributions.strongest[who], contributions.x[who], contributions.cosine[who]
-    )
+    """One contributor's row of a table."""
+    present, energy, strongest, x, cosine = contributions
+    return ContributorTable(present, energy[who], strongest[who], x[who], cosine[who])
 
 
 @inlined_uncounted

@@ -18,7 +18,7 @@ from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_
 
 
 @kernel
-def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions, shadows, labels, places):
+def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions, shadows, out):
     """Label every range bin of pings with its greatest contributor and the shadows of targets, by refracted rays.
 
     Parameters
@@ -32,8 +32,8 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
     contributors : Contributors
     contributions, shadows : ContributorTable, ShadowTable
         Empty, with a row for every contributor, and one for every target.
-    labels, places : BinLabels, ndarray of int64, shape (n,)
-        Take the result, and where the labels of each ping are.
+    out : LabelledPings
+        Of n pings; takes the result but for what the sweep traces.
     """
     aim, intensity = unaimed(rays), np.empty(arrays.bins)
     for ping in range(poses.x.size):
@@ -41,15 +41,15 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
             beam = orient_beam(arrays, poses, ping, side)
             waveguide, aim = aim_refracted(arrays, beam, poses.pitch[ping], aim)
             cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
-            intensity[:], place = 0.0, places[ping]
-            _note_echoes(arrays, cast, contributions, intensity, labels.caustic[place, side])
+            intensity[:], place = 0.0, out.places[ping]
+            _note_echoes(arrays, cast, contributions, intensity, out.labels.caustic[place, side])
             if shadows.present.size > 0:
                 hidden = cast_refracted(bare, beam, waveguide, aim, 0.0)
                 _note_hidden_bed(arrays, 2.0 * waveguide.reach, cast.rays.hits.body, hidden, shadows)
             materials = arrays.reflectivity.shape[0]
-            label_shadows(shadows, contributions, materials, labels, place, side)
-            sum_target_echoes(contributions, materials, 1.0, labels.target_echo[place, side])
-            label_bins(contributions, contributors, intensity, labels, place, side)
+            label_shadows(shadows, contributions, materials, out.labels, place, side)
+            sum_target_echoes(contributions, materials, 1.0, out.labels.target_echo[place, side])
+            label_bins(contributions, contributors, intensity, out, place, side)
 
 
 @kernel

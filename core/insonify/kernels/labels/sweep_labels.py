@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.arrays import Booleans, Singles
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.bed.profile import list_marked
 from insonify.kernels.common.contributors import (
@@ -64,19 +65,44 @@ class Contributors(NamedTuple):
     path: NDArray[np.int8]
 
 
-class BinLabels(NamedTuple):
-    """Labels of each range bin, by ping, side and bin, as `RecordLabels` describes them."""
+class RecordLabels(NamedTuple):
+    """Labels of every range bin: greatest contributor, its place and path, and shadows of targets.
 
+    Each is (n, 2, bins) but ``target_echo``, which is (n, 2, targets).
+    """
+
+    # Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where there is no
+    # echo, except perhaps of the sea surface.
     target_id: NDArray[np.int16]
-    material: NDArray[np.int16]
-    path: NDArray[np.int8]
-    energy: NDArray[np.float32]  # of the greatest contributor, in units of all bins at that range
-    shadow: NDArray[np.float32]
-    shadow_id: NDArray[np.int16]
-    ground_range: NDArray[np.float32]
-    cosine: NDArray[np.float32]  # of the incidence
-    target_echo: NDArray[np.float32]
-    caustic: NDArray[np.bool_]
+    material: NDArray[np.int16]  # its row of the material table, -1 where there is none
+    # Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return
+    # into the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so
+    # that bed that other bed hides does not count.
+    shadow: Singles
+    shadow_id: NDArray[np.int16]  # index of the declared target that hides most of it, -2 where none hides any
+    ground_range: Singles  # of the contributor's strongest echo, in metres; NaN without an echo
+    # Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
+    # different paths; NaN without an echo.
+    incidence: Singles
+    path: NDArray[np.int8]  # place of that contributor's propagation path among `PATHS`, -1 without an echo
+    # Index of the declared volume of the water column with the greatest mean echo, if that exceeds the contributor's;
+    # else -2.
+    volume_id: NDArray[np.int16]
+    # Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
+    # count as no narrower than Airy's function allows.
+    caustic: Booleans
+    # Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
+    # beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
+    target_echo: Singles
+
+
+class LabelledPings(NamedTuple):
+    """Where the kernels put what they find of some pings."""
+
+    labels: RecordLabels  # of all pings, with cosines in place of the incidence in degrees
+    energy: Singles  # (pings, 2, bins) of the greatest contributor, in units of all bins at that range
+    traced: Singles  # (pings, 2, bins) intensity, as the sweep and its multipath find it
+    places: NDArray[np.int64]  # rows of all these that belong to the pings
 
 
 class LabelledSegment(NamedTuple):
@@ -89,30 +115,9 @@ class LabelledSegment(NamedTuple):
     bin_length: float
 
 
-def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
-    """Make room for the labels of a record; none by a caustic, and no echo of targets."""
-    shape = (pings, 2, bins)
-    (target, material, shadow_id), path = np.empty((3, *shape), np.int16), np.empty(shape, np.int8)
-    energy, shadow, ground_range, cosine = np.empty((4, *shape), np.float32)
-    target_echo, caustic = np.zeros((pings, 2, targets), np.float32), np.zeros(shape, np.bool_)
-    return BinLabels(target, material, path, energy, shadow, shadow_id, ground_range, cosine, target_echo, caustic)
-
-
 @kernel
 def label_swept_pings(
-    arrays,
-    poses,
-    fan,
-    image_fan,
-    apparent,
-    contributors,
-    workspace,
-    multipath,
-    contributions,
-    shadows,
-    labels,
-    traced,
-    places,
+    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, contributions, shadows, out
 ):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
@@ -126,12 +131,8 @@ def label_swept_pings(
     workspace, multipath : SweepWorkspace, MultipathWorkspace
     contributions, shadows : ContributorTable, ShadowTable
         Empty, with a row for every contributor by every path, and one for every target.
-    labels : BinLabels
-        Takes the result.
-    traced : ndarray of float32, shape (pings, 2, bins)
-        Takes the intensity, as `sweep_pings` and `sweep_multipath` find it.
-    places : ndarray of int64, shape (n,)
-        Rows of both that are these pings'.
+    out : LabelledPings
+        Of n pings; takes the result.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     by_surface = np.zeros(arrays.bins, np.float32)
@@ -140,8 +141,8 @@ def label_swept_pings(
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
-            place = places[ping]
-            intensity = traced[place, side]
+            place = out.places[ping]
+            intensity = out.traced[place, side]
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
@@ -155,9 +156,9 @@ def label_swept_pings(
                 for k in range(arrays.bins):
                     intensity[k] += by_surface[k]
             materials = arrays.reflectivity.shape[0]
-            label_shadows(shadows, contributions, materials, labels, place, side)
-            sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[place, side])
-            label_bins(contributions, contributors, intensity, labels, place, side)
+            label_shadows(shadows, contributions, materials, out.labels, place, side)
+            sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, out.labels.target_echo[place, side])
+            label_bins(contributions, contributors, intensity, out, place, side)
 
 
 @kernel_uncounted
@@ -172,29 +173,25 @@ def sum_target_echoes(contributions, materials, scale, target_echo):
 
 
 @kernel_uncounted
-def label_bins(contributions, contributors, intensity, labels, place, side):
+def label_bins(contributions, contributors, intensity, out, place, side):
     """Label each bin of one side of one ping with its greatest contributor, and clear the contributions."""
+    labels, energy = out.labels, out.energy[place, side]
     target, material, path = labels.target_id[place, side], labels.material[place, side], labels.path[place, side]
-    energy, ground_range, cosine = (
-        labels.energy[place, side],
-        labels.ground_range[place, side],
-        labels.cosine[place, side],
-    )
+    ground_range, cosine = labels.ground_range[place, side], labels.incidence[place, side]
     target[:], material[:], path[:] = NO_TARGET, NO_MATERIAL, NO_PATH
     energy[:], ground_range[:], cosine[:] = 0.0, np.nan, np.nan
     for row in range(contributions.present.size):
         if not contributions.present[row]:
             continue
         own = contributor_row(contributions, row)
-        own_target, own_material, own_path = (
-            contributors.target[row],
-            contributors.material[row],
-            contributors.path[row],
-        )
         for k in range(intensity.size):
             is_echo = intensity[k] > 0.0 and own.strongest[k] >= 0.0
             if is_echo and (path[k] == NO_PATH or np.float32(own.energy[k]) > energy[k]):
-                target[k], material[k], path[k] = own_target, own_material, own_path
+                target[k], material[k], path[k] = (
+                    contributors.target[row],
+                    contributors.material[row],
+                    contributors.path[row],
+                )
                 energy[k], ground_range[k], cosine[k] = own.energy[k], own.x[k], own.cosine[k]
     contributions.present[:] = False
 
