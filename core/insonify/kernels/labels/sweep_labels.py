@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Booleans, Singles
 from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.bed.profile import list_marked
 from insonify.kernels.common.contributors import (
@@ -78,30 +77,30 @@ class RecordLabels(NamedTuple):
     # Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return
     # into the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so
     # that bed that other bed hides does not count.
-    shadow: Singles
+    shadow: NDArray[np.float32]
     shadow_id: NDArray[np.int16]  # index of the declared target that hides most of it, -2 where none hides any
-    ground_range: Singles  # of the contributor's strongest echo, in metres; NaN without an echo
+    ground_range: NDArray[np.float32]  # of the contributor's strongest echo, in metres; NaN without an echo
     # Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
     # different paths; NaN without an echo.
-    incidence: Singles
+    incidence: NDArray[np.float32]
     path: NDArray[np.int8]  # place of that contributor's propagation path among `PATHS`, -1 without an echo
     # Index of the declared volume of the water column with the greatest mean echo, if that exceeds the contributor's;
     # else -2.
     volume_id: NDArray[np.int16]
     # Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
     # count as no narrower than Airy's function allows.
-    caustic: Booleans
+    caustic: NDArray[np.bool_]
     # Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
     # beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
-    target_echo: Singles
+    target_echo: NDArray[np.float32]
 
 
 class LabelledPings(NamedTuple):
     """Where the kernels put what they find of some pings."""
 
     labels: RecordLabels  # of all pings, with cosines in place of the incidence in degrees
-    energy: Singles  # (pings, 2, bins) of the greatest contributor, in units of all bins at that range
-    traced: Singles  # (pings, 2, bins) intensity, as the sweep and its multipath find it
+    energy: NDArray[np.float32]  # (pings, 2, bins) of the greatest contributor, in units of all bins at that range
+    traced: NDArray[np.float32]  # (pings, 2, bins) intensity, as the sweep and its multipath find it
     places: NDArray[np.int64]  # rows of all these that belong to the pings
 
 
