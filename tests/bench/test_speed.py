@@ -51,13 +51,14 @@ def test_scenes_as_planned(say):
         fine = replace(simulation.plan, model=simulation.plan.model._replace(planes=512 if planes > 1 else 1))
         right = replace(simulation, plan=fine).trace(some)
         errors = compare_records(simulation.reduced, some, simulation.trace(some), right)
-        calls[name] = partial(simulation.trace, poses)
+        calls[name], calls[f"{name} labelled"] = partial(simulation.trace, poses), partial(simulation.labels, poses)
         rows[name] = planes, pings.size, errors, aim
     timings = time_calls(calls, rounds=7, clock=thread_time)
     for name, (planes, pings, errors, aim) in rows.items():
         say(
             f"{name:15s} {1e6 * timings[name].median / pings:7.1f} µs a ping ± {100 * timings[name].spread:2.0f} %"
-            f" (aim {aim or '-'}), {planes:2d} planes, {100 * errors.beyond:.2f} % from 512",
+            f" (aim {aim or '-'}), {planes:2d} planes, {100 * errors.beyond:.2f} % from 512,"
+            f" with labels × {timings[f'{name} labelled'].median / timings[name].median:.2f}",
         )
 
 
