@@ -134,19 +134,13 @@ def label_swept_pings(
         Of n pings; takes the result.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    by_surface = np.zeros(arrays.bins, np.float32)
-    profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
-    stretches = empty_stretches(zbuffer)
+    by_surface, stretches = np.zeros(arrays.bins, np.float32), empty_stretches(workspace.zbuffer)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             place = out.places[ping]
             intensity = out.traced[place, side]
-            for k in range(fan.azimuth.size):
-                plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-                _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
-                _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
+            _note_direct(arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins)
             accumulate_bins(bins, arrays.range_factor, intensity)
             if arrays.multipath.enabled:
                 sink = EchoSink(bins, contributions, True)
@@ -158,6 +152,19 @@ def label_swept_pings(
             label_shadows(shadows, contributions, materials, out.labels, place, side)
             sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, out.labels.target_echo[place, side])
             label_bins(contributions, contributors, intensity, out, place, side)
+
+
+@kernel_uncounted
+def _note_direct(arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins):
+    """Sweep the planes of one side of one ping, and note what each contributes."""
+    profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
+    for k in range(fan.azimuth.size):
+        plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
+        cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
+        if count > 1:
+            _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
+        if cells > 0:
+            _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
 
 
 @kernel_uncounted
@@ -195,11 +202,9 @@ def label_bins(contributions, contributors, intensity, out, place, side):
     contributions.present[:] = False
 
 
-@kernel_uncounted
+@inlined_uncounted
 def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows):
     """Note the contribution of every visible segment of a profile, and the echo that targets hide of those segments."""
-    if count < 2:
-        return
     _note_whole_segments(profile, count, sector.bent, echoes, 1.0 / arrays.bin_length, contributions)
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
