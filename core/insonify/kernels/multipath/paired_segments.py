@@ -60,7 +60,7 @@ def empty_paired_echoes(capacity: int, dtype: DTypeLike) -> PairedEchoes:
     return PairedEchoes(r, weight, cosines, mirrored, scale, energy, cut, marked, place, early, late, room)
 
 
-@kernel_uncounted
+@inlined_uncounted
 def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, sink, echoes):
     """Spread the echoes of segments that both images see whole over the range bins; mark the others they see."""
     knots = padded_count(count)
