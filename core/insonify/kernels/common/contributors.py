@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import inlined_uncounted
+from insonify.compiler.jit import inlined_before_typing, inlined_uncounted
 
 # In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3
@@ -52,7 +52,7 @@ class SpreadEcho(NamedTuple):
     facing: float  # cosine of the incidence times slant range
 
 
-@inlined_uncounted
+@inlined_before_typing
 def contributor_row(contributions, who):
     """One contributor's row of a table."""
     present, energy, strongest, x, cosine = contributions
