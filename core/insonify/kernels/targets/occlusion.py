@@ -55,7 +55,7 @@ def is_hidden(occlusion, segment, x_from, x_to):
 
 @inlined_uncounted
 def hiding_cells(occlusion, segment, x_from, x_to):
-    """First of the cells whose targets hide all of a segment between two ground ranges, and the one after the last."""
+    """Range (start, stop) of the cells behind which a segment is hidden between two ground ranges, else (0, 0)."""
     cells = occlusion.edge.size - 1
     z_from, z_to = segment.offset + segment.slope * x_from, segment.offset + segment.slope * x_to
     first = cell_towards(occlusion.cosine, occlusion.sine, cells, x_from, z_from)
