@@ -120,33 +120,27 @@ class Simulation(PackedScene):
         labels, _ = self.labels(self.poses(pings))
         return labels
 
-    def labels(self, poses: Poses, targets_alone: bool = False) -> tuple[RecordLabels, Singles | None]:
-        """Label every range bin of pings at given poses, as `truth` does; and trace them where that is the same work.
+    def labels(
+        self, poses: Poses, *, traced: bool = False, targets_alone: bool = False
+    ) -> tuple[RecordLabels, Singles | None]:
+        """Label every range bin of pings at given poses, as `truth` does; return the echoes too if they are traced.
 
         With ``targets_alone`` pings that show the bed alone are not labelled with its places.
         """
-        settings, traces = self.plan.label_settings, self._traces_by_labelling
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
+        settings = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
         share = 0.0 if crosstalk is None else crosstalk.share
 
         def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
             volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-            echoes = new_record(tile, some)
-            alone = targets_alone and self._shows_bed
-            labels = trace_labels(
-                tile,
-                some,
-                crosstalk=share,
-                volumes=volumes,
-                echoes=echoes if traces else None,
-                targets_alone=alone,
-                **settings,
-            )
-            return *labels, echoes
+            echoes = new_record(tile, some) if traced else None
+            labels = trace_labels(tile, some, crosstalk=share, volumes=volumes, echoes=echoes, **settings)
+            return (*labels, echoes) if traced else labels
 
         with limited_threads(self.threads):
-            *labels, echoes = self.tiles.map(label_tile, self.reduced, poses)
-        return RecordLabels(*labels), echoes if traces else None
+            columns = self.tiles.map(label_tile, self.reduced, poses)
+        fields = len(RecordLabels._fields)
+        return RecordLabels(*columns[:fields]), columns[fields] if traced else None
 
     def pings_within(self, seconds: float) -> int:
         """Return the number of pings that take about so long by the plan's cost, at least 1."""
@@ -187,8 +181,9 @@ class Simulation(PackedScene):
         """Intensity of some pings, and their labels if requested."""
         if not truth:
             return {"intensity": self.record(pings, poses, out)}
-        labels, traced = self.labels(poses, truth == "targets")
-        names = OF_TARGETS if truth == "targets" else labels._fields
+        alone = truth == "targets"
+        labels, traced = self.labels(poses, traced=self._traces_by_labelling, targets_alone=alone)
+        names = OF_TARGETS if alone else labels._fields
         return {"intensity": self.record(pings, poses, out, traced)} | {name: getattr(labels, name) for name in names}
 
     @property

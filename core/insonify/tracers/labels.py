@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from insonify.arrays import Integers, Singles
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.contributors import ContributorTable, empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
@@ -47,8 +47,8 @@ def trace_labels(
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
-    ``echoes`` takes those by the direct path, as the sweep traces them. With ``targets_alone`` pings that meet no
-    target have the bed wherever there is an echo, of no place, incidence and material.
+    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding. With ``targets_alone``
+    pings that meet no target have the bed wherever there is an echo, of no place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
     labels, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
@@ -85,22 +85,29 @@ def trace_labels(
             share_blocks(take_poses(poses, places), sweep, threads, pings_a_thread(beams[0]))
     turn_into_degrees(labels.incidence)
     if crosstalk > 0.0:
-        # The other side's contributor wherever its crosstalk exceeds the side's own echo.
-        leaked: dict[str, Any] = {}
-        louder = crosstalk * energy[:, ::-1] > energy
-        for name in ("target_id", "material", "ground_range", "incidence", "path", "caustic"):
-            leaked[name] = np.where(louder, getattr(labels, name)[:, ::-1], getattr(labels, name))
-        leaked["path"][louder] = PATHS.index("crosstalk")
-        labels = labels._replace(**leaked)
-    if volumes is None:
-        return labels
-    # The volume of the greatest echo, where that exceeds the contributor's.
-    greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+        labels = _label_crosstalk(labels, energy, crosstalk)
+    if volumes is not None:
+        greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+        _label_volumes(labels, volumes, greatest, crosstalk)
+    return labels
+
+
+def _label_crosstalk(labels: RecordLabels, energy: Singles, crosstalk: float) -> RecordLabels:
+    """Label bins with the other side's contributor wherever its crosstalk exceeds the side's own echo."""
+    leaked: dict[str, Any] = {}
+    louder = crosstalk * energy[:, ::-1] > energy
+    for name in ("target_id", "material", "ground_range", "incidence", "path", "caustic"):
+        leaked[name] = np.where(louder, getattr(labels, name)[:, ::-1], getattr(labels, name))
+    leaked["path"][louder] = PATHS.index("crosstalk")
+    return labels._replace(**leaked)
+
+
+def _label_volumes(labels: RecordLabels, volumes: Singles, greatest: Floats, crosstalk: float) -> None:
+    """Label bins with the volume of the greatest echo, where that exceeds the contributor's."""
     for number, own in enumerate(volumes):
         received = np.maximum(own, crosstalk * own[:, ::-1])
         labels.volume_id[received > greatest] = number
         greatest = np.maximum(received, greatest)
-    return labels
 
 
 def empty_labels(pings: int, bins: int, targets: int) -> RecordLabels:
