@@ -1,8 +1,8 @@
 """Labels of range bins from the sweep: greatest contributor, its place and incidence, and the shadows of targets.
 
 Planes are swept as for the record, the intensity of which is found beside its labels. Every visible segment and facet
-adds its energy to the bins it spans, contributor by contributor: each material of the bed is one, and so is each target.
-A bin has an echo if it has energy in the record.
+adds its energy to the bins it spans, contributor by contributor: each material of the bed is one, and so is each
+target. A bin has an echo if it has energy in the record.
 """
 
 import math
