@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import insonify.simulation as module
+import insonify.tracers.labels as labels_module
 from insonify.compiler.build import own_build
 from insonify.io.record_schema import join_blocks
 from insonify.planning import plan
@@ -102,6 +103,20 @@ def test_labels_of_targets_alone_are_those_of_the_whole_and_change_no_record(nam
     assert {"material", "ground_range", "incidence"}.isdisjoint(alone)
     for found in alone:
         np.testing.assert_array_equal(alone[found], whole[found], err_msg=str(found))
+
+
+@pytest.mark.usefixtures("fixed_model")
+def test_labels_alone_trace_no_record(monkeypatch):
+    """In water with a double image pings are followed ray by ray, to be labelled and once more to be traced."""
+    simulation = prepare(edit(load_scene("figure-3"), {"sonar.bins": 200}))
+
+    def trace(*_, **__):
+        raise AssertionError("a record is traced")
+
+    monkeypatch.setattr(labels_module, "trace", trace)
+    assert (simulation.truth(np.arange(2)).target_id == -1).any()
+    with pytest.raises(AssertionError, match="traced"):
+        next(simulation.record_blocks(truth=True, pings=range(2)))
 
 
 @pytest.mark.parametrize("first", [1, 40, 70])
