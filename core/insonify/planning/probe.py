@@ -2,12 +2,13 @@
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
-from insonify.arrays import Booleans, Floats, Singles
+from insonify.arrays import Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
@@ -22,6 +23,7 @@ MOST = 1e8  # work of half a second, up to which finer and finer models are trac
 OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
+MOST_TREND = 0.5  # of a bias that falls with the first power
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
@@ -60,7 +62,7 @@ class Probe:
         # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
         self._traced: dict[Model, Singles] = {}
         self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
-        self._differences: dict[tuple[Model, Model, float, bool, tuple[int, ...]], float] = {}
+        self._differences: dict[tuple[Any, ...], float] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
         """Leave out pings in which the sonar is inside a target: they are refused when they are simulated."""
@@ -93,21 +95,34 @@ class Probe:
         return self.count(model) * self.work(model) <= MOST
 
     def difference(
-        self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False, of: tuple[int, ...] = ()
+        self,
+        coarse: Model,
+        fine: Model,
+        *,
+        before: Model | None = None,
+        nearer: float = 0.0,
+        cautious: bool = False,
+        of: tuple[int, ...] = (),
     ) -> float:
-        """Error of a model against a finer one, of some pings or all: the greater of those over track and targets."""
-        coarse, fine = _without_surface_echo(coarse, fine)
+        """Error of a model against a finer one, of some pings or all: the greater of those over track and targets.
+
+        With the model before both in their order it includes what still finer ones add to the difference.
+        """
+        coarse, fine, before = _without_surface_echo(coarse, fine, before or coarse)
         if coarse == fine:
             return 0.0
-        key = coarse, fine, nearer, cautious, of
+        key = coarse, fine, before, nearer, cautious, of
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self.work))
-            one, other = (self._trace(model, count, of) for model in (coarse, fine))
-            missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
-            across = self._is_across[list(of) or slice(count)]
-            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], across, cautious)]
-            if nearer > 0.0:
-                errors.append(nearer * self._error(missed, whole, across, cautious))
+            records = [self._trace(model, count, of) for model in (before, coarse, fine)]
+            across, errors = self._is_across[list(of) or slice(count)], [0.0]
+            for group in (across, ~across):
+                some = [record[group] for record in records]
+                rest = 1.0 - min(max(_trend(*(record[:, :, self._beyond :] for record in some)), 0.0), MOST_TREND)
+                missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (some[1] - some[2], some[2]))
+                errors.append(_error(missed[:, self._beyond :], whole[:, self._beyond :], cautious) / rest)
+                if nearer > 0.0:
+                    errors.append(nearer * _error(missed, whole, cautious) / rest)
             self._differences[key] = max(errors)
         return self._differences[key]
 
@@ -116,28 +131,6 @@ class Probe:
         record = self._trace(_without_surface_echo(model)[0], self.count(model))[:, :, self._beyond :]
         energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
         return tuple(np.argsort(-energy, kind="stable")[:most].tolist())
-
-    def _error(self, missed: Floats, whole: Floats, across: Booleans, cautious: bool) -> float:
-        """Greatest error of both groups of pings, from squares."""
-        squares = missed.sum(axis=1), whole.sum(axis=1)
-        groups = [tuple(part[of] for part in squares) for of in (across, ~across)]
-        return max(
-            float(_ratio(missed.sum(), whole.sum())) + (_standard_error(missed, whole) if cautious else 0.0)
-            for missed, whole in groups
-        )
-
-    def trend(self, coarser: Model, coarse: Model, fine: Model) -> float:
-        """Share of its last change by which a record goes on to change: the ratio of the vectors of both changes.
-
-        Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
-        This is the vector form of Aitken's process (Wynn 1962).
-        """
-        models = _without_surface_echo(coarser, coarse, fine)
-        count = self.count(models[-1])
-        records = [self._trace(model, count)[:, :, self._beyond :] for model in models]
-        before, last = records[0] - records[1], records[1] - records[2]
-        square = float(np.square(before).sum(dtype=np.float64))
-        return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
 
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, one thread: by its work, from the first of its kind that was timed."""
@@ -195,6 +188,23 @@ def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Singles:
     curve = compute_flat_bed_curves(arrays, poses)[:, :, first:]
     echoes = curve > np.finfo(np.float32).tiny
     return np.divide(1.0, curve, out=np.zeros_like(curve), where=echoes).astype(np.float32)
+
+
+def _error(missed: Floats, whole: Floats, cautious: bool) -> float:
+    """Error of a group of pings from squares, (n, bins) each; a cautious one with its standard error."""
+    squares = missed.sum(axis=1), whole.sum(axis=1)
+    return float(_ratio(missed.sum(), whole.sum())) + (_standard_error(*squares) if cautious else 0.0)
+
+
+def _trend(coarser: Singles, coarse: Singles, fine: Singles) -> float:
+    """Share of its last change by which a record goes on to change: the ratio of the vectors of both changes.
+
+    Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
+    This is the vector form of Aitken's process (Wynn 1962).
+    """
+    before, last = coarser - coarse, coarse - fine
+    square = float(np.square(before).sum(dtype=np.float64))
+    return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
 
 
 def _ratio(missed: Floats, whole: Floats) -> Floats:
