@@ -116,5 +116,7 @@ def _keep_bodies(arrays: SceneArrays, solids: Booleans, triangles: Booleans) -> 
     columns: list[Any] = [column[solids] for column in arrays.solids]
     return arrays._replace(
         solids=Solids(*columns),
-        mesh=build_mesh(mesh.corners[triangles], mesh.material[triangles], mesh.target[triangles]),
+        mesh=build_mesh(
+            mesh.corners[triangles], mesh.material[triangles], mesh.target[triangles], mesh.closed[triangles]
+        ),
     )

@@ -48,7 +48,8 @@ def _mesh(shapes: list[Shape], before: int) -> Mesh:
     target = _numbers([len(shape.triangles) for shape in shapes])
     corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
     whole = has_area(corners)  # triangles far smaller than their distance from the origin lose it by rounding
-    return build_mesh(corners[whole], before + target[whole], target[whole])
+    closed = np.array([shape.closed for shape in shapes], np.bool_)[target]
+    return build_mesh(corners[whole], before + target[whole], target[whole], closed[whole])
 
 
 def _numbers(counts: list[int]) -> Integers:

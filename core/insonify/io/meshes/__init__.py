@@ -12,7 +12,7 @@ from insonify.files import bundled_meshes, kept_until_changed
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
-__all__ = ["MESHES", "has_area", "read_mesh"]
+__all__ = ["MESHES", "bounds_bodies", "has_area", "read_mesh"]
 
 MESHES: FormatRegistry[Floats] = FormatRegistry(
     "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
@@ -51,8 +51,8 @@ def has_area(corners: Floats) -> Booleans:
 
 def _wind_outwards(corners: Floats) -> Floats:
     """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside."""
-    n = len(corners)
-    first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
+    n, faces = len(corners), _numbered(corners.reshape(-1, 3)).reshape(-1, 3)
+    first, second, alike = _neighbours(faces)
     surface = _components(first, second, n)
     # Triangles to reverse are found on the double cover, which holds every triangle once in either winding.
     side = np.where(alike, 0, n)
@@ -61,11 +61,30 @@ def _wind_outwards(corners: Floats) -> Floats:
     one_sided = cover[:n] == cover[n:]
     flipped = (cover[:n] != cover[leaders][surface]) & ~one_sided
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
-    # Signed volumes, summed over tetrahedra from the centroid.
-    a, b, c = np.moveaxis(wound - wound.mean(axis=(0, 1)), 1, 0)
-    inside_out = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) < 0.0
-    inside_out &= np.bincount(surface[first], minlength=inside_out.size) * 2 == np.bincount(surface) * 3  # closed
+    closed, volume = _measure_surfaces(wound, np.where(flipped[:, None], faces[:, ::-1], faces), surface)
+    inside_out = closed & (volume < 0.0)
     return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
+
+
+def bounds_bodies(corners: Floats) -> bool:
+    """Whether triangles, wound outwards, are the whole surface of one body or several."""
+    faces = _numbered(corners.reshape(-1, 3)).reshape(-1, 3)
+    first, second, _ = _neighbours(faces)
+    closed, volume = _measure_surfaces(corners, faces, _components(first, second, len(faces)))
+    return bool((closed & (volume > 0.0)).all())
+
+
+def _measure_surfaces(corners: Floats, faces: Integers, surface: Integers) -> tuple[Booleans, Floats]:
+    """Whether each surface runs along every edge as often in one sense as in the other; six times its signed volume."""
+    edge, _, forward = _edges(faces)
+    of = np.repeat(surface, 3)
+    _, place = np.unique(edge * (surface.max() + 1) + of, return_inverse=True)
+    closed = np.ones(surface.max() + 1, np.bool_)
+    closed[of[np.bincount(place, weights=np.where(forward, 1.0, -1.0))[place] != 0.0]] = False
+    # Summed over tetrahedra from the centroid.
+    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
+    volume: Floats = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)).astype(np.float64)
+    return closed, volume
 
 
 def _numbered(points: Floats) -> Integers:
@@ -79,13 +98,18 @@ def _numbered(points: Floats) -> Integers:
 
 def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
     """Pairs of triangles with an edge that no third one shares, and whether they run along it in opposite senses."""
-    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    forward = begin < end
-    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
-    _, edge, times = np.unique(edge, return_inverse=True, return_counts=True)
+    edge, times, forward = _edges(faces)
     order = np.argsort(edge, kind="stable")
     pairs = order[times[edge[order]] == 2].reshape(-1, 2)
     return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
+
+
+def _edges(faces: Integers) -> tuple[Integers, Integers, Booleans]:
+    """Return the edge that begins at each corner, how often each edge occurs, and in which sense it runs there."""
+    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
+    _, edge, times = np.unique(edge, return_inverse=True, return_counts=True)
+    return edge, times, begin < end
 
 
 def _components(first: Integers, second: Integers, n: int) -> Integers:

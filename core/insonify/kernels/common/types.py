@@ -65,6 +65,7 @@ class Mesh(NamedTuple):
     normal: NDArray[np.float64]  # (n, 3) unit vectors
     material: NDArray[np.int64]  # (n,) row of the reflectivity table
     target: NDArray[np.int64]  # (n,) index of the declared target
+    closed: NDArray[np.bool_]  # (n,) whether it bounds a body, so that its back is never seen from outside
     low: NDArray[np.float64]  # (nodes, 3) corner of each node's box
     high: NDArray[np.float64]  # (nodes, 3) and the opposite one
     skip: NDArray[np.int64]  # (nodes,) node after this one's whole branch

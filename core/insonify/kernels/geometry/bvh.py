@@ -11,8 +11,14 @@ SLABS = 8  # per axis, between which a branch may be cut
 ONE_PLACE = 1e-9  # m, twice the distance of centres that are not split
 
 
-def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
-    """Build the hierarchy over triangles, none degenerate, and put them, their materials and targets into its order."""
+def build_mesh(
+    corners: NDArray[np.float64],
+    material: NDArray[np.int64],
+    target: NDArray[np.int64],
+    closed: NDArray[np.bool_] | None = None,
+) -> Mesh:
+    """Build the hierarchy over triangles, none degenerate, and put all that belongs to each into its order."""
+    closed = np.zeros(len(corners), np.bool_) if closed is None else closed
     edges = corners[:, 1:] - corners[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -21,7 +27,7 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
     tree = _build_tree(corners) if len(corners) else (none, boxes, boxes, none, none, none)
     order, low, high, skip, first, leaf_size = tree
     return Mesh(
-        np.ascontiguousarray(corners[order]), normal[order], material[order], target[order],
+        np.ascontiguousarray(corners[order]), normal[order], material[order], target[order], closed[order],
         low, high, skip, first, leaf_size,
     )  # fmt: skip
 

@@ -195,7 +195,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     primitives = _cut_solids(arrays.solids, plane, reach, plane.z - arrays.bed.low, zbuffer)
     solid_primitives = primitives
     if arrays.mesh.target.size > 0:
-        primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
+        primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, sector.bent, reach, zbuffer, primitives)
     if sector.bent and primitives > 0:
         solid_primitives, primitives = apply_apparent_sources(
             arrays, plane, sector.angle == 0.0, table, grid, zbuffer, solid_primitives, primitives
@@ -234,17 +234,29 @@ def _cut_solids(solids, plane, reach, height, zbuffer):
 
 
 @kernel_on_demand(INTEGER)
-def _cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
-    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
+def _cut_mesh(mesh, first_body, plane, bent, reach, zbuffer, primitives):
+    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer.
+
+    Where sound is straight, triangles of closed bodies that face away are left out: others lie before them.
+    """
     node = 0
     while node < mesh.skip.size:
         if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
             node = mesh.skip[node]
             continue
         for k in range(mesh.first[node], mesh.first[node] + mesh.leaf_size[node]):
+            if mesh.closed[k] and not bent and not _faces(mesh.corners[k, 0], mesh.normal[k], plane):
+                continue
             primitives = _cut_triangle(mesh.corners[k], first_body + k, plane, zbuffer, primitives)
         node += 1
     return primitives
+
+
+@inlined_uncounted
+def _faces(corner, normal, plane):
+    """Whether a triangle is seen from outside, by one of its corners and its normal."""
+    x, y, z = plane.x - corner[0], plane.y - corner[1], plane.z - corner[2]
+    return x * normal[0] + y * normal[1] + z * normal[2] > 0.0
 
 
 @inlined_uncounted

@@ -40,7 +40,7 @@ class Box(Posed, kind="box", rank=3):
 
     def shape(self) -> Shape:
         """Twelve triangles."""
-        return Shape(triangles=block(self.size))
+        return Shape(triangles=block(self.size), closed=True)
 
 
 class Cone(Posed, kind="cone", rank=4):

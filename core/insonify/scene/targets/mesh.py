@@ -8,7 +8,7 @@ import numpy as np
 from insonify.arrays import Floats
 from insonify.errors import SceneError
 from insonify.files import kept_until_changed
-from insonify.io.meshes import read_mesh
+from insonify.io.meshes import bounds_bodies, read_mesh
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.targets import Posed
 from insonify.scene.targets.shape import Outline, Shape
@@ -27,12 +27,12 @@ class MeshFile(Posed, kind="mesh", rank=5):
         """Return the file's triangles, in metres about their centre."""
         corners = _read(self.path)
         centre = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
-        return Shape(triangles=self.scale * (corners - centre))
+        return Shape(triangles=self.scale * (corners - centre), closed=_measured(self.path)[2])
 
     @property
     def outline(self) -> Outline:
         """Measures of the shape; each version of the file is measured once."""
-        size, count = _measured(self.path)
+        size, count, _ = _measured(self.path)
         half = (0.5 * self.scale * size).tolist()
         return Outline(half=tuple(half), triangles=count)
 
@@ -44,10 +44,10 @@ class MeshFile(Posed, kind="mesh", rank=5):
 
 
 @kept_until_changed(maxsize=64)
-def _measured(path: str) -> tuple[Floats, int]:
-    """Size of the bounding box and number of triangles, in units of the file."""
+def _measured(path: str) -> tuple[Floats, int, bool]:
+    """Size of the bounding box in units of the file, number of triangles, and whether they bound bodies."""
     corners = _read(path)
-    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners)
+    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners), bounds_bodies(corners)
 
 
 def _read(path: str) -> Floats:

@@ -77,6 +77,7 @@ class Shape(NamedTuple):
 
     solids: tuple[Solid, ...] = ()
     triangles: Floats = np.zeros((0, 3, 3))  # corners, counter-clockwise from outside
+    closed: bool = False  # whether the triangles bound bodies, so that their backs are never seen from outside
 
     @property
     def lowest(self) -> float:
@@ -95,11 +96,12 @@ class Shape(NamedTuple):
     def turned(self, rotation: Floats) -> Shape:
         """Turn the shape about the origin, by a (3, 3) matrix."""
         solids = (s._replace(start=rotation @ s.start, axis=rotation @ s.axis) for s in self.solids)
-        return Shape(tuple(solids), self.triangles @ rotation.T)
+        return self._replace(solids=tuple(solids), triangles=self.triangles @ rotation.T)
 
     def moved(self, by: Floats) -> Shape:
         """Move the shape."""
-        return Shape(tuple(s._replace(start=s.start + by) for s in self.solids), self.triangles + by)
+        solids = (s._replace(start=s.start + by) for s in self.solids)
+        return self._replace(solids=tuple(solids), triangles=self.triangles + by)
 
 
 def exact_cos(degrees: float) -> float:

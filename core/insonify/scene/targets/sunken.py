@@ -88,9 +88,8 @@ class Sunken(Posed):
         low, high = min(piece[..., 2].min() for piece in whole), max(piece[..., 2].max() for piece in whole)
         pieces = [*self._torn(whole, low)]
         bed = np.array([0.0, 0.0, low + self.buried * (high - low)])
-        return Shape(
-            triangles=np.concatenate([*pieces, self._debris(min(high - low, STOUT * self.length)) + bed]) - bed
-        )
+        pieces.append(self._debris(min(high - low, STOUT * self.length)) + bed)
+        return Shape(triangles=np.concatenate(pieces) - bed, closed=True)
 
     def _torn(self, pieces: Sequence[Triangles], low: float) -> Iterator[Triangles]:
         """Pieces turned and moved away from the first, the farther the more it has broken, and sunk to the bed."""
