@@ -248,7 +248,6 @@ class Doublings(Number):
 
     stage = FINENESS
     nearer: ClassVar[float] = 0.0  # weight of the error over all bins, from the first return, in the choice
-    order: ClassVar[float] = 1.0  # greatest power with which the error falls between two rungs
 
     def leads(self, model: Model) -> bool:
         """Whether the field is the main one of those that make a model's tracer finer."""
@@ -270,7 +269,7 @@ class Doublings(Number):
         return int(first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / first, 1.0))))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error of the rung below; from there it falls with the power, from 0.5 on, with which it fell to that rung."""
+        """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
         number = getattr(model, self.field)
         if not self.leads(model) or number == 0:
             return 0.0
@@ -282,7 +281,7 @@ class Doublings(Number):
         coarser = self.pair(case, model, rung // 2)
         error, before = case.probe.difference(*pair, before=coarser[0], **how), case.probe.difference(*coarser, **how)
         fall = math.log2(max(before / error, 1.0)) if error > 0.0 else 0.0
-        return float(error * finer ** -min(max(fall, 0.5), self.order))
+        return float(error * finer ** -min(max(fall, 0.5), 1.0))
 
     def measured(self, case: Case, model: Model, words: str, error: float) -> str:
         """Reason with what was measured."""

@@ -78,7 +78,7 @@ class Planes(Doublings):
     """Planes across the beam."""
 
     subject, field, rank, high = "planes", "planes", 1, 512
-    nearer, order = NEARER, 2.0
+    nearer = NEARER
     offered = ("2", "4", "8", "16", "32", "64")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
