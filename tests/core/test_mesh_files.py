@@ -8,10 +8,11 @@ import pytest
 import trimesh
 
 from insonify.io.file_access import FileFault
-from insonify.io.meshes import read_mesh
+from insonify.io.meshes import bounds_bodies, read_mesh
 from insonify.io.meshes.trimesh_files import read_z_up
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import SceneError, bundled_meshes, load_scene
+from insonify.scene.targets.shape import block
 from insonify.simulation import prepare
 
 FORMATS = ["obj", "stl", "ply", "glb", "gltf"]
@@ -76,6 +77,17 @@ def test_closed_surfaces_wind_outward_however_they_were_written(tmp_path, seed):
     corners = read_mesh(str(path))
     assert volume(corners[corners[:, 0, 0] < 3]) == pytest.approx(ball.volume, rel=1e-6)
     assert volume(corners[corners[:, 0, 0] > 3]) == pytest.approx(6.0, rel=1e-6)
+
+
+def test_what_bounds_bodies_is_closed_and_faces_outwards():
+    wedge, cube = read_mesh("mine-wedge"), block((1.0, 1.0, 1.0))
+    two = np.concatenate([cube, cube + np.array([1.0, 1.0, 0.0])])  # which share an edge
+    assert bounds_bodies(wedge)
+    assert bounds_bodies(two)
+    assert not bounds_bodies(wedge[1:])
+    assert not bounds_bodies(two[1:])
+    assert not bounds_bodies(wedge[:, ::-1])
+    assert not bounds_bodies(np.concatenate([two[:12], two[12:, ::-1]]))
 
 
 def test_an_open_surface_winds_alike_as_its_first_triangle_does(tmp_path):

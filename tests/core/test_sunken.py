@@ -124,8 +124,10 @@ def test_each_is_closed_and_of_few_triangles_in_any_state(kind, name, value):
     if kind is Aircraft:
         states = [{"porosity": share, "crumpled": share, "engines": 4} for share in (0.0, 0.5, 1.0)]
     for number, state in enumerate(states):
-        triangles = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape().triangles
+        shape = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape()
+        triangles = shape.triangles
         assert np.isfinite(triangles).all()
+        assert shape.closed
         assert is_closed(triangles)
         assert 400 < len(triangles) < 9000
 

@@ -58,6 +58,7 @@ def test_a_box_stands_where_its_corners_are_and_is_closed(pose):
     corners = mesh.corners - [3.0, -2.0, 10.0]
     assert ((corners.mean(axis=1) * mesh.normal).sum(axis=1) > 0).all()
     assert np.linalg.det(corners).sum() / 6.0 == pytest.approx(6.0)
+    assert mesh.closed.all()
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.75, -0.25])

@@ -70,6 +70,22 @@ def test_two_balls_one_in_the_other_part_where_they_cross():
     assert record.sum() == pytest.approx(right.sum(), rel=3e-3)
 
 
+def test_only_an_open_body_is_seen_from_behind():
+    sides = block((9.0, 4.0, 2.0)) + np.array([0.0, 22.0, 1.0])
+    towards = (sides[..., 1].max(axis=1) < 21.0) | (sides[..., 2].min(axis=1) > 1.0)  # the sonar
+
+    def seen(corners, closed):
+        rows = np.zeros(len(corners), np.int64)
+        return lit(scene(mesh=build_mesh(corners, rows, rows, np.full(len(corners), closed))))
+
+    outside = line((20.0, 0.0), (20.0, 2.0)) + line((20.0, 2.0), (24.0, 2.0))
+    inside = line((24.0, 0.0), (24.0, 2.0)) + line((20.0, 0.0), (24.0, 0.0))
+    assert seen(sides, True) == pytest.approx(outside, rel=1e-4)
+    assert seen(sides, False) == pytest.approx(outside, rel=1e-4)
+    assert seen(sides[~towards], False) == pytest.approx(inside, rel=1e-4)
+    assert seen(sides[~towards], True) == 0.0
+
+
 @pytest.mark.parametrize("thick", [1e-3, 4.0])
 def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
     # One long segment of bed, one long face that rises out of it at 22 m and ends at 26 m.
