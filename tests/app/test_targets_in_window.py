@@ -1,9 +1,11 @@
 """Adding, turning and removing targets in the window, kinds of somebody else's, and scenes that are put together."""
 
+import threading
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import pyvista
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
@@ -14,7 +16,7 @@ from insonify.scene import SceneError, bundled_meshes, edit, resources
 from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
 from insonify_viewer.seabed.bed_shading import target_colours
-from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_mesh, targets_mesh, volumes_mesh
+from insonify_viewer.seabed.pv_meshes import CLOUD, frustum_triangles, target_triangles, volume_points
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import FileRow
@@ -153,27 +155,27 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small):
     cone = {"kind": "cone", "position": [15.0, 20.0], "radius": 2.0, "height": 1.0}
     scene = edit(small, {"targets": [box, {**cone, "material": "rock"}]})
     arrays = StandIn(scene, 0.03).arrays
-    drawn = targets_mesh(arrays.solids, arrays.mesh, target_colours(scene))
-    low, high = np.array(drawn.bounds).reshape(3, 2).T
+    drawn, colours = target_triangles(arrays.solids, arrays.mesh, target_colours(scene))
+    low, high = drawn.min(axis=(0, 1)), drawn.max(axis=(0, 1))
     np.testing.assert_allclose(low[:2], [4.0, 18.0], atol=0.03)
     np.testing.assert_allclose(high[:2], [17.0, 22.0], atol=0.03)
     # Every face has the colour of its own target's material.
     steel, rock = target_colours(scene)
-    expected = np.where((np.asarray(drawn.cell_centers().points)[:, 0] < 10.0)[:, None], steel, rock)
-    np.testing.assert_array_equal(drawn.cell_data["colour"], expected)
+    expected = np.where((drawn.mean(axis=1)[:, 0] < 10.0)[:, None], steel, rock)
+    np.testing.assert_array_equal(colours, expected)
 
 
 def test_volumes_are_drawn_where_they_echo_and_follow_an_edit(open_viewer, small, qtbot):
     depth, school = small.seabed.depth, {"kind": "school", "position": [10.0, 20.0, -5.0], "length": 8.0}
     plume = {"kind": "plume", "position": [10.0, -20.0, -depth - 2.0], "height": 6.0}  # its vent lies under the bed
     scene = edit(small, {"volumes": [{**school, "width": 4.0, "height": 2.0}, plume]})
-    points = np.asarray(volumes_mesh(scene.volumes, ground_of(scene.seabed)).points)
+    points = volume_points(scene.volumes, ground_of(scene.seabed))
     fish, bubbles = points[:CLOUD], points[CLOUD:]
     assert (np.abs(fish - [10.0, 20.0, depth - 5.0]) <= [4.001, 2.001, 1.001]).all()
     assert (np.ptp(fish, axis=0) > [7.0, 3.5, 1.7]).all()
     assert len(bubbles) > 0
     assert -0.02 < bubbles[:, 2].min() < 0.3
-    assert volumes_mesh((), ground_of(scene.seabed)).n_points == 0
+    assert volume_points((), ground_of(scene.seabed)).shape == (0, 3)
     viewer = open_viewer(scene)
     drawn = viewer.seabed.view._volumes_actor
     qtbot.waitUntil(lambda: bool(drawn.visibility))
@@ -188,12 +190,30 @@ def test_volumes_are_drawn_where_they_echo_and_follow_an_edit(open_viewer, small
     qtbot.waitUntil(lambda: not drawn.visibility)
 
 
+def test_objects_of_vtk_are_made_on_the_main_thread_alone(open_viewer, small, qtbot, monkeypatch):
+    # Where another thread destroys one while VTK draws, each waits for the other for ever.
+    threads, made = set(), pyvista.DataObject.__init__
+
+    def note(self, *args, **options):
+        threads.add(threading.current_thread().name)
+        made(self, *args, **options)
+
+    monkeypatch.setattr(pyvista.DataObject, "__init__", note)
+    pipe = {"kind": "pipe", "position": [10.0, 20.0], "length": 8.0, "radius": 0.5}
+    school = {"kind": "school", "position": [10.0, 20.0, -5.0], "length": 8.0, "width": 4.0, "height": 2.0}
+    viewer = open_viewer(edit(small, {"targets": [pipe], "volumes": [school]}))
+    drawn = viewer.seabed.view._targets_actor
+    qtbot.waitUntil(lambda: bool(drawn.visibility))
+    viewer.session.settle({"targets": [], "volumes": []})
+    qtbot.waitUntil(lambda: not drawn.visibility)
+    assert threads == {threading.main_thread().name}
+
+
 def test_a_cone_is_drawn_outside_out():
     for end in (0.0, 0.5):
-        mesh = frustum_mesh(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 3.0]), 1.0, end)
-        mesh = mesh.compute_normals(auto_orient_normals=False, consistent_normals=False, point_normals=False)
-        outward = np.asarray(mesh.cell_centers().points) - [1.0, 3.0, 3.0]
-        assert ((np.asarray(mesh.cell_data["Normals"]) * outward).sum(axis=1) > -1e-6).all()
+        triangles = frustum_triangles(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 3.0]), 1.0, end)
+        normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        assert ((normals * (triangles.mean(axis=1) - [1.0, 3.0, 3.0])).sum(axis=1) > -1e-6).all()
 
 
 @pytest.fixture
@@ -216,9 +236,10 @@ def test_the_menu_puts_a_hoop_on_the_bed(open_viewer, small, qtbot):
 
 def test_a_hoop_is_shown_in_its_own_colour(own):
     arrays, colours = prepare(own).arrays, target_colours(own)
-    shown = targets_mesh(arrays.solids, arrays.mesh, colours)
-    np.testing.assert_allclose(np.reshape(shown.bounds, (3, 2)), [[2.5, 7.5], [15.5, 20.5], [0.0, 1.0]], atol=1e-6)
-    np.testing.assert_array_equal(np.unique(shown.cell_data["colour"], axis=0), colours)
+    shown, coloured = target_triangles(arrays.solids, arrays.mesh, colours)
+    bounds = np.stack([shown.min(axis=(0, 1)), shown.max(axis=(0, 1))], axis=1)
+    np.testing.assert_allclose(bounds, [[2.5, 7.5], [15.5, 20.5], [0.0, 1.0]], atol=1e-6)
+    np.testing.assert_array_equal(np.unique(coloured, axis=0), colours)
     assert colours[0, 0] > colours[0, 2]
 
 

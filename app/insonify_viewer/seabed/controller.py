@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from psygnal import Signal
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float, bool]
     _Bodies = tuple[Solids, Mesh, Bytes, tuple[Volume, ...]]
-    _Made = tuple[BedPatch, Bytes, Any, Any]  # bed, its colours, targets and volumes
+    _Made = tuple[BedPatch, Bytes, Floats, Bytes, Singles]  # bed, its colours, targets, their colours, and volumes
     from insonify_viewer.seabed.seabed_view import SeabedView
 
 VIEW = "insonify_viewer.seabed.seabed_view"
@@ -314,16 +314,17 @@ class SeabedController:
         """Make the meshes of bed and targets, on a thread of their own or on the worker."""
         # lazy: the window opens before PyVista is loaded
         from insonify_viewer.seabed.bed_shading import cast_shadows
-        from insonify_viewer.seabed.pv_meshes import bed_patch, targets_mesh, volumes_mesh
+        from insonify_viewer.seabed.pv_meshes import bed_patch, target_triangles, volume_points
 
         self._asked += 1
         number = self._asked
 
         def make() -> _Made:
-            targets = targets_mesh(*bodies[:3])
-            patch = cast_shadows(bed_patch(*bed), targets.points[targets.triangulate().regular_faces])
+            triangles, colours = target_triangles(*bodies[:3])
+            patch = cast_shadows(bed_patch(*bed), triangles)
             # With the record from the first drawing on: without it, the bed would be bare until the record is laid.
-            return patch, _picture_of(patch, self._strip, self.mosaic), targets, volumes_mesh(bodies[3], bed[0])
+            picture = _picture_of(patch, self._strip, self.mosaic)
+            return patch, picture, triangles, colours, volume_points(bodies[3], bed[0])
 
         def show(made: _Made | SceneError | Failure) -> None:
             self._lay(number, made)

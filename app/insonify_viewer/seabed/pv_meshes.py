@@ -77,43 +77,53 @@ def bed_mesh(*, thinned: bool = False) -> Any:
     return mesh
 
 
-def targets_mesh(solids: Solids, mesh: Mesh, colours: Bytes) -> Any:
-    """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out."""
-    parts: list[Any] = []
-    if len(mesh.corners):
-        parts.append(triangles_mesh(mesh.corners))
-        parts[0].cell_data["colour"] = colours[mesh.target]
+# Targets and volumes are arrays, because they are made beside the main thread, on which alone objects of VTK may live.
+# VTK draws without the interpreter's lock: another thread that destroys an object meanwhile waits, with that lock, for
+# VTK's garbage collector, which waits for the lock.
+
+
+def target_triangles(solids: Solids, mesh: Mesh, colours: Bytes) -> tuple[Floats, Bytes]:
+    """Return the triangles of targets, (n, 3, 3), and their colours, (n, 3), without solids beyond `MAX_SOLIDS`."""
+    parts, targets = [mesh.corners], [mesh.target]
     for row in range(min(len(solids.shape), MAX_SOLIDS)):
         start, axis = solids.start[row], solids.axis[row]
         length, radius = float(solids.length[row]), float(solids.radius[row])
         if length > 0.0:
             last_radius = max(radius + float(solids.taper[row]) * length, 0.0)
-            parts.append(frustum_mesh(start, start + length * axis, radius, last_radius))
+            parts.append(frustum_triangles(start, start + length * axis, radius, last_radius))
         else:
-            parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=ROUND, phi_resolution=20))
-        parts[-1].cell_data["colour"] = np.tile(colours[solids.target[row]], (parts[-1].n_cells, 1))
-    return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
+            parts.append(_ball_triangles(start, radius))
+        targets.append(np.full(len(parts[-1]), solids.target[row]))
+    return np.concatenate(parts), colours[np.concatenate(targets)]
 
 
-def volumes_mesh(volumes: Sequence[Volume], ground: AnyGround) -> Any:
-    """Return the volumes of the water column as clouds of points; the first points of each fill it evenly too."""
+def volume_points(volumes: Sequence[Volume], ground: AnyGround) -> Singles:
+    """Return the volumes of the water column as points, (n, 3); the first points of each fill it evenly too."""
     clouds = [points_in_water(volume.sample().points[:CLOUD], ground) for volume in volumes]
-    return pv.PolyData(np.concatenate([np.empty((0, 3)), *clouds]).astype(np.float32))
+    return np.concatenate([np.empty((0, 3)), *clouds]).astype(np.float32)
 
 
-def frustum_mesh(first: Floats, last: Floats, radius: float, last_radius: float) -> Any:
-    """Return a cylinder, a cone or a frustum from the centres and radii of its ends."""
+def frustum_triangles(first: Floats, last: Floats, radius: float, last_radius: float) -> Floats:
+    """Return a cylinder, a cone or a frustum from the centres and radii of its ends, (n, 3, 3)."""
     axis = (last - first) / np.linalg.norm(last - first)
     aside = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[2]) > 0.7 else [0.0, 0.0, 1.0])
     aside /= np.linalg.norm(aside)
-    angle = np.linspace(0.0, 2.0 * math.pi, ROUND, endpoint=False)[:, None]
+    angle = np.linspace(0.0, 2.0 * math.pi, ROUND + 1)[:, None]
     rim = np.cos(angle) * aside + np.sin(angle) * np.cross(axis, aside)
-    i = np.arange(ROUND)
-    after = (i + 1) % ROUND
-    sides = np.column_stack([np.full(ROUND, 4), i, after, after + ROUND, i + ROUND])
-    ends = [[ROUND, *i[::-1]], [ROUND, *(i + ROUND)]]
-    points = np.vstack([first + radius * rim, last + last_radius * rim])
-    return pv.PolyData(points, faces=np.concatenate([sides.ravel(), *ends]))
+    return _skin(np.stack([first + 0.0 * rim, first + radius * rim, last + last_radius * rim, last + 0.0 * rim]))
+
+
+def _ball_triangles(centre: Floats, radius: float) -> Floats:
+    """Return a ball, (n, 3, 3)."""
+    up, around = np.linspace(-0.5 * math.pi, 0.5 * math.pi, ROUND // 2 + 1), np.linspace(0.0, 2.0 * math.pi, ROUND + 1)
+    up, around = np.meshgrid(up, around, indexing="ij")
+    return _skin(centre + radius * np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], -1))
+
+
+def _skin(rings: Floats) -> Floats:
+    """Return two triangles between every two neighbours of two neighbouring rings, (rings, points, 3)."""
+    a, b, c, d = rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]
+    return np.concatenate([np.stack([a, b, c], axis=-2), np.stack([a, c, d], axis=-2)]).reshape(-1, 3, 3)
 
 
 @cache

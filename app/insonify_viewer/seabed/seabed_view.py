@@ -110,12 +110,15 @@ class SeabedView(QWidget):
             actor.texture.Modified()
         self._later()
 
-    def show_targets(self, targets: Any, volumes: Any) -> None:
-        """Show other targets, and other volumes of the water column."""
-        for actor, mesh in ((self._targets_actor, targets), (self._volumes_actor, volumes)):
-            actor.visibility = mesh.n_points > 0
-            if mesh.n_points:
-                actor.mapper.SetInputData(mesh)
+    def show_targets(self, triangles: Floats, colours: Bytes, volumes: Singles) -> None:
+        """Show other targets, as coloured triangles, and other volumes of the water column, as points."""
+        self._targets_actor.visibility, self._volumes_actor.visibility = len(triangles) > 0, len(volumes) > 0
+        if len(triangles):
+            mesh = pv_meshes.triangles_mesh(triangles)
+            mesh.cell_data["colour"] = colours
+            self._targets_actor.mapper.SetInputData(mesh)
+        if len(volumes):
+            self._volumes_actor.mapper.SetInputData(pv.PolyData(volumes))
         self._later()
 
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
