@@ -91,11 +91,12 @@ class Simulation(PackedScene):
     def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
         """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
-        echoes: Traced = self.tiles.map(
-            lambda tile, some: trace_pings(tile, some, **self.plan.settings),
-            self.reduced if arrays is None else arrays,
-            poses,
-        )
+        with limited_threads(self.threads):
+            echoes: Traced = self.tiles.map(
+                lambda tile, some: trace_pings(tile, some, **self.plan.settings),
+                self.reduced if arrays is None else arrays,
+                poses,
+            )
         return echoes
 
     def expect(self, pings: Integers) -> None:

@@ -2,6 +2,8 @@
 
 import math
 import tracemalloc
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import insonify.simulation as module
 import insonify.tracers.labels as labels_module
 from insonify.compiler.build import own_build
 from insonify.io.record_schema import join_blocks
+from insonify.parallel import count_threads
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
@@ -66,6 +69,18 @@ def test_the_dataset_keeps_the_contract():
 def test_no_pings_blocks_or_threads_are_refused(options, sentence):
     with pytest.raises(SceneError, match=sentence):
         next(simulate_blocks(small(71), **options))
+
+
+def test_echoes_alone_are_traced_by_as_many_threads_as_a_simulation_has():
+    simulation, seen = prepare(small(40), threads=1), []
+    trace = simulation.tracer.trace
+
+    def note(*args, **settings):
+        seen.append(count_threads())
+        return trace(*args, **settings)
+
+    replace(simulation, tracer=SimpleNamespace(trace=note)).trace(simulation.poses(np.arange(40)))
+    assert seen == [1]
 
 
 @pytest.mark.parametrize("truth", [False, True])
