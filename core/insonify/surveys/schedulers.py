@@ -217,6 +217,7 @@ def _start_workers(text: str) -> Iterator[Any]:
         stack.enter_context(warnings.catch_warnings())
         # Warnings of slow disks and busy ports need no action of the user.
         warnings.filterwarnings("ignore", module="distributed")
+        warnings.filterwarnings("ignore", message="Creating scratch directories")  # of contextlib, by its level
         with interrupts_blocked():
             cluster = LocalCluster(
                 n_workers=workers,
