@@ -189,6 +189,7 @@ def test_a_bundled_mesh_has_a_name_and_is_closed(name):
     edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2, 3)
     there, back = (set(map(tuple, e.reshape(-1, 6).tolist())) for e in (edges, edges[:, ::-1]))
     assert there == back
+    assert bounds_bodies(corners) == (name != "figure")  # which has single triangles that belong to no body
 
 
 def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
