@@ -14,7 +14,8 @@ from insonify.surveys.storages import Tile, WebDataset, ZarrStore
 from small_sets import contents, run_here, write_set
 
 
-@pytest.fixture(scope="module")
+# Connections are kept as long as the process: a second server, at another address, would not be found.
+@pytest.fixture(scope="session")
 def store():
     """A server of this machine that answers as S3 does, with an empty bucket."""
     server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
