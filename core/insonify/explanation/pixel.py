@@ -169,9 +169,8 @@ def _silence(pixel: PixelParts) -> str:
     """Sentence that explains a pixel without an echo where nothing is hidden."""
     if pixel.folded:
         return "no echo: no ray lands there"
-    echoing = athwart_parts(pixel)
-    first = float(echoing.near.min(initial=math.inf))
-    if pixel.window.far <= first:
+    first = float(athwart_parts(pixel).near.min(initial=math.inf))
+    if (pixel.window.first + pixel.window.weights.shape[1]) * pixel.arrays.bin_length <= first:
         return f"water column: the first echo comes from {first:.1f} m" if math.isfinite(first) else "no bed in range"
     if pixel.parts.value.size == 0:
         return "no echo: no bed there"
@@ -348,17 +347,14 @@ def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int
     elif terms and levels[0] == SILENCE:
         budget = []
     for before, after, stage in zip(levels, levels[1:], stages[1:]):
-        term = _change(stage.name, before, after, stage.detail)
-        if term is not None:
-            budget.insert(0 if stage.name == "source level" else len(budget), term)
+        if before > SILENCE:
+            term = Term(stage.name, after - before, stage.detail)
+        elif after > SILENCE:
+            term = Term(stage.name, after, f"{stage.detail}; nothing else is there")
+        else:
+            continue
+        budget.insert(0 if stage.name == "source level" else len(budget), term)
     return budget
-
-
-def _change(name: str, before: float, after: float, detail: str) -> Term | None:
-    """Term of a change of level; where there was silence before, the level itself; None where silence lasts."""
-    if before == SILENCE:
-        return None if after == SILENCE else Term(name, after, f"{detail}; nothing else is there")
-    return Term(name, after - before, detail)
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:
