@@ -195,9 +195,7 @@ def _kept_samples(
     return (grid.heights - datum).astype(np.float32), lattice, datum
 
 
-@lru_cache(maxsize=GROUNDS)
-def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pits: Pits) -> Heights:
-    return _endless_heights(parts, spacing, seed, pits)
+_kept_relief = lru_cache(maxsize=GROUNDS)(_endless_heights)
 
 
 @lru_cache(maxsize=2 * GROUNDS)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple, Self
 
@@ -130,8 +130,7 @@ class EndlessExcerpt(EndlessGround):
     @classmethod
     def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> Self:
         """Return an excerpt with the rectangle between two corners, x and y in local metres."""
-        shared = {field.name: getattr(whole, field.name) for field in fields(whole)}
-        return cls(**shared, make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
+        return cls(**vars(whole), make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
 
     @property
     def same_windows(self) -> Hashable:
