@@ -137,9 +137,10 @@ class Target(Declaration):
         return None
 
     @property
+    @kept_until_changed(maxsize=256)
     def outline(self) -> Outline:
         """Measures of the shape."""
-        return _outline_of(self)
+        return self.shape().outline
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
@@ -187,8 +188,3 @@ class Posed(Body):
 
 
 AnyTarget = Annotated[Target, KindOf(TARGETS)]
-
-
-@kept_until_changed(maxsize=256)
-def _outline_of(target: Target) -> Outline:
-    return target.shape().outline
