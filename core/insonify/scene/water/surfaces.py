@@ -24,9 +24,9 @@ class SurfaceKind(Kind):
     reflects: ClassVar[bool] = False  # whether it reflects sound
 
     @property
-    def paths(self) -> tuple[bool, bool, bool, bool]:
+    def paths(self) -> tuple[bool, ...]:
         """Whether each multipath by the surface is modelled, in the order of `WAYS`."""
-        return False, False, False, False
+        return tuple(getattr(self, way, False) for way in WAYS)
 
     @property
     def rms_height(self) -> float:
@@ -53,11 +53,6 @@ class MirrorSurface(SurfaceKind):
         True, "paths by the bed beneath the sonar and then the surface one way, direct the other way"
     )
     surface_echo: bool = parameter(True, "the echo of the surface straight above the sonar")
-
-    @property
-    def paths(self) -> tuple[bool, bool, bool, bool]:
-        """Which paths by the surface are switched on, in the order of `WAYS`."""
-        return self.surface_bottom, self.surface_bottom_surface, self.second_bottom, self.surface_echo
 
 
 class FlatSurface(MirrorSurface, kind="flat", rank=20):
