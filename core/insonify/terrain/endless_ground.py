@@ -97,9 +97,7 @@ class EndlessGround:
         """Bilinear height as in `height_at`, but from squares, which are faster, where the tile is not cached."""
         return self._interpolated(x, y, self._at_once)
 
-    def height_near(self, x: Floats, y: Floats) -> Floats:
-        """Bilinear height above the datum, the same as `height_at` because there is ground everywhere."""
-        return self.height_at(x, y)
+    height_near = height_at  # because there is ground everywhere
 
     def _interpolated(self, x: Floats, y: Floats, at: Callable[[_Places, _Places], Floats]) -> Floats:
         """Bilinear interpolation of the heights that a function of rows and columns of nodes returns."""
