@@ -1,12 +1,12 @@
 """States that a lesson passes through: the scene and the window's choices."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any, Self
 
-from insonify.errors import SceneError
+from insonify.errors import SceneError, located
 from insonify.files import bundled_scenes
 from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
@@ -155,11 +155,6 @@ def subject_of(step: Step, scene: Scene) -> tuple[float, float] | None:
     return (parts[0].position[0], parts[0].position[1]) if parts else None
 
 
-@contextmanager
-def named(lesson: Lesson, step: Step | None = None) -> Iterator[None]:
+def named(lesson: Lesson, step: Step | None = None) -> AbstractContextManager[None]:
     """Put the names of the lesson and the step in front of a fault."""
-    where = f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}")
-    try:
-        yield
-    except SceneError as error:
-        raise SceneError(f"{where}: {error}") from None
+    return located(f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}") + ": ")

@@ -141,7 +141,7 @@ def _heights(scene: Scene) -> _GridHeights:
     seabed = scene.seabed
     relief, mean = seabed.relief, -seabed.depth
     if relief.level:
-        with located("seabed.material"):
+        with located("seabed.material."):
             shape = seabed.material.level_shape(seabed.spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
         return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing), mean
     if seabed.random_reliefs:
