@@ -18,7 +18,7 @@ from insonify.scene.seabed.reliefs.dem import refine
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Pit
 from insonify.terrain.endless_field import TILE, Nodes, gather_tiles
-from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles
+from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles, nodes_between
 from insonify.terrain.ground import Ground
 from insonify.terrain.materials import Lattice, endless_materials, material_indices
 from insonify.terrain.random_heights import Heights, endless_heights, periodic_heights
@@ -70,7 +70,7 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
         x0, y0 = nodes.column * spacing, nodes.row * spacing
         return whole.part(heights(nodes).astype(np.float32), materials(nodes), x0, y0, periodic=False)
 
-    return EndlessExcerpt.of(whole, make, low, high)
+    return EndlessExcerpt(**vars(whole), make=make, rectangle=make(nodes_between(low, high, spacing)))
 
 
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:

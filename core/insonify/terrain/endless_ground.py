@@ -125,11 +125,6 @@ class EndlessExcerpt(EndlessGround):
     make: Callable[[Nodes], Ground]  # function of some nodes that returns their ground, without ground outside
     rectangle: Ground  # over which all pings are traced, whatever their window
 
-    @classmethod
-    def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> Self:
-        """Return an excerpt with the rectangle between two corners, x and y in local metres."""
-        return cls(**vars(whole), make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
-
     @property
     def same_windows(self) -> Hashable:
         """Key of the bed: the rectangle."""
@@ -148,7 +143,7 @@ class EndlessExcerpt(EndlessGround):
         low, high = ((centre[0] + sign * half, centre[1] + sign * half) for sign in (-1.0, 1.0))
         corners = (np.array(axis) for axis in zip(low, high))
         if np.isnan(self.rectangle.height_at(*corners)).any():
-            return self.make(_nodes_between(low, high, self.spacing))
+            return self.make(nodes_between(low, high, self.spacing))
         return self.rectangle
 
     def thinned(self, every: int) -> Self:
@@ -254,7 +249,7 @@ def _write_tiles(torus: NDArray[Any], tiles: Tiles, places: list[tuple[Piece, Pi
                 torus[j.part, i.part] = part[j.whole, i.whole]
 
 
-def _nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:
+def nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:
     """Nodes around a rectangle; the first are multiples of `FAST`, so that thinned nodes are among them."""
     first = [math.floor(place / spacing / FAST) * FAST for place in low]
     counts = [math.ceil(place / spacing / FAST) * FAST + FAST - begin for place, begin in zip(high, first)]
