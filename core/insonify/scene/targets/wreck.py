@@ -98,9 +98,7 @@ class Wreck(Sunken, kind="wreck", rank=6):
         hull = _Hull(self)
         cut = 9 + int(18 * draw_shares(self.seed, "cut", 1)[0])
         place = (cut / (FRAMES - 1) - 0.5) * self.length
-        both: list[list[Triangles]] = [[], []]
-        for first, last, parts in ((0, cut, both[0]), (cut, FRAMES - 1, both[1])):
-            parts += hull.shell(first, last)
+        both = hull.shell(0, cut), hull.shell(cut, FRAMES - 1)
         for part in hull.fittings():
             if len(part):
                 both[int(part[..., 0].mean() > place)].append(part)
@@ -153,8 +151,8 @@ class _Hull:
         lost = self._decay * (0.35 + 0.9 * worn[..., None] + 0.25 * torn) * (0.2 + strake) > 0.62
         lost |= torn < 0.35 * self._decay * strake
         lost &= strake > 0.0
-        parts = [skin(around, self._plate, ~np.concatenate([lost[0][:, ::-1], lost[1]], axis=1))]
-        return [*parts, *self._deck(first, last)]
+        sides = skin(around, self._plate, ~np.concatenate([lost[0][:, ::-1], lost[1]], axis=1))
+        return [sides, *self._deck(first, last)]
 
     def _deck(self, first: int, last: int) -> Iterator[Triangles]:
         """Deck with its hatches, as far as it is left; none in an open boat."""
