@@ -186,10 +186,8 @@ def _platform_columns(headers: list[Any], times: Floats, fixes: recording.Fixes)
     """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
-    depth, height = (
-        _first_of(headers, "SensorDepth"),
-        _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude"),
-    )
+    depth = _column(headers, "SensorDepth")
+    height = _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
     compass = _first_of(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
     # Without a fix the positions are along +y, by the recorded speed.
