@@ -315,6 +315,10 @@ class Piece(NamedTuple):
     part: slice  # the nodes within the tile
     whole: slice  # the nodes within all that were split
 
+    def is_within(self, first: int, count: int) -> bool:
+        """Whether all of them are among successive nodes."""
+        return first <= self.nodes.start and self.nodes.stop <= first + count
+
 
 def split_nodes(first: int, count: int, side: int) -> list[Piece]:
     """Split successive nodes along one axis at the borders of tiles."""

@@ -65,12 +65,12 @@ class EndlessGround:
         # Its arrays are periodic: a node is at its own row and column modulo their side.
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
-        square = _Square(row * TILE - margin, column * TILE - margin, side)
-        known = None if stored is None else _Square(stored.row * TILE - margin, stored.column * TILE - margin, side)
+        first = row * TILE - margin, column * TILE - margin
+        known = None if stored is None else (stored.row * TILE - margin, stored.column * TILE - margin)
         heights = np.empty((side, side), np.float32) if stored is None else stored.heights.copy()
         materials = np.empty((side, side), np.uint8) if stored is None else stored.materials.copy()
-        _complete(heights, self.heights, square, known)
-        _complete(materials, self.materials, square, known)
+        _complete(heights, self.heights, first, known)
+        _complete(materials, self.materials, first, known)
         return self.part(heights, materials, 0.0, 0.0, periodic=True)
 
     def part(self, heights: Singles, materials: Bytes, x0: float, y0: float, *, periodic: bool) -> Ground:
@@ -149,7 +149,6 @@ class EndlessExcerpt(EndlessGround):
     def thinned(self, every: int) -> Self:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         thin = super().thinned(every)
-        assert isinstance(thin, EndlessExcerpt)
 
         def make(nodes: Nodes) -> Ground:
             return self.make(Nodes(*(every * number for number in nodes))).thinned(every)
@@ -209,29 +208,15 @@ def _thinned(tiles: Tiles, every: int) -> Tiles:
     return keep_arrays(tile)
 
 
-class _Square(NamedTuple):
-    """Square of nodes."""
-
-    row: int  # its lowest node along y and x
-    column: int
-    side: int  # nodes along a side
-
-    def contains(self, down: Piece, across: Piece) -> bool:
-        """Whether all nodes of some rows and columns are within the square."""
-        return all(
-            low <= piece.nodes.start and piece.nodes.stop <= low + self.side
-            for low, piece in ((self.row, down), (self.column, across))
-        )
-
-
-def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square | None) -> None:
-    """Write the values of a square to an array in which each node is at its indices modulo the side of the square."""
+def _complete(torus: NDArray[Any], tiles: Tiles, first: tuple[int, int], known: tuple[int, int] | None) -> None:
+    """Write the nodes of a square, by its lowest, to an array in which each is at its indices modulo the side."""
     # Nodes of a known square of the same side are already there.
+    side = len(torus)
     missing = [
         (down, across)
-        for down in split_nodes(square.row, square.side, TILE)
-        for across in split_nodes(square.column, square.side, TILE)
-        if known is None or not known.contains(down, across)
+        for down in split_nodes(first[0], side, TILE)
+        for across in split_nodes(first[1], side, TILE)
+        if known is None or not (down.is_within(known[0], side) and across.is_within(known[1], side))
     ]
     # Neighbours together, because they share coarser lattices; lines along the shorter side first.
     outer = min((0, 1), key=lambda axis: len({pieces[axis].tile for pieces in missing}))
