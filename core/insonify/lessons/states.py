@@ -110,21 +110,15 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
     elif path == "point.ping":
         if not isinstance(value, int) or value < 0:
             raise SceneError(f"{path}: {value!r} is not the number of a ping; give a whole number from 0")
-    elif path.startswith("plan."):
-        _check_choice(scene, path.removeprefix("plan."), value)
-    else:
+    elif not path.startswith("plan."):
         raise SceneError(f"{path}: is not known; use point.side, point.slant_range or point.ping")
+    elif not isinstance(value, str):
+        raise SceneError(f"{path}: {value!r} is not a text; put it in quotes")
+    elif value != AUTOMATIC:
+        # lazy: loads Numba, and few lessons force a choice
+        from insonify.planning.selection import check_request
 
-
-def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
-    """Reject a choice that no plan of the scene offers."""
-    # lazy: loads Numba, and few lessons force a choice
-    from insonify.planning.selection import check_request
-
-    if not isinstance(choice, str):
-        raise SceneError(f"plan.{subject}: {choice!r} is not a text; put it in quotes")
-    if choice != AUTOMATIC:
-        check_request(scene, USUAL_TOLERANCE, "auto", {subject: choice})
+        check_request(scene, USUAL_TOLERANCE, "auto", {path.removeprefix("plan."): value})
 
 
 def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
