@@ -43,9 +43,9 @@ def added_format(registry: FormatRegistry[Any], extra: FileFormat[Any]) -> Itera
 
 @contextmanager
 def added_materials(folder: Path) -> Iterator[None]:
-    kept = dict(MATERIALS._materials())
+    kept = dict(MATERIALS)
     try:
-        MATERIALS._kept.update(read_materials(folder))
+        MATERIALS.update(read_materials(folder))
         yield
     finally:
-        MATERIALS._kept = kept
+        MATERIALS.data = kept

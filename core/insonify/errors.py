@@ -28,9 +28,9 @@ class PlanWarning(UserWarning):
 
 
 @contextmanager
-def located(path: str) -> Iterator[None]:
-    """Put the dotted path of a part of a scene in front of the field that an error within names."""
+def located(where: str) -> Iterator[None]:
+    """Put a place in front of an error within, such as ``lesson beams: ``, or ``targets.0.`` before its field."""
     try:
         yield
     except SceneError as error:
-        raise SceneError(f"{path}.{error}") from None
+        raise SceneError(f"{where}{error}") from None

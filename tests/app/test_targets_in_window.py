@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QToolButton
 from stand_in import StandIn, ground_of
 
 from insonify import simulate
-from insonify.files import bundled_sonars
-from insonify.scene import SceneError, bundled_meshes, edit, resources
+from insonify.files import bundled_meshes, bundled_sonars, resources
+from insonify.scene import SceneError, edit
 from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare
 from insonify_viewer.seabed.bed_shading import target_colours

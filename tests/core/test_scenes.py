@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.files import bundled_meshes, bundled_picture, bundled_sonars
+from insonify.files import bundled_meshes, bundled_picture, bundled_sonars, resources
 from insonify.scene import (
     Scene,
     SceneError,
@@ -17,12 +17,11 @@ from insonify.scene import (
     load_partner,
     load_scene,
     plain,
-    resources,
     scene_from_toml,
     scene_to_toml,
 )
 from insonify.scene.base import is_field
-from insonify.scene.links import Link, plain_words, split_description
+from insonify.scene.links import Link, split_description
 from insonify.scene.sonar.presets import read_preset
 from insonify.simulation import prepare
 
@@ -197,7 +196,7 @@ def test_a_description_is_split_at_its_links() -> None:
         Link("no beam", "sonar.beam", "knife"),
         "; [1] (a=b) is text.",
     )
-    assert plain_words(text) == "Move the altitude or take no beam; [1] (a=b) is text."
+    assert Scene(description=text).about == "Move the altitude or take no beam; [1] (a=b) is text."
     (link,) = split_description("[a fan](sonar.beam={kind = 'fan', width = 3.0})")
     assert link == Link("a fan", "sonar.beam", {"kind": "fan", "width": 3.0})
 

@@ -5,24 +5,24 @@ At sonar frequencies a rough surface of rms height h keeps exp(−4k²h² sin²�
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
 from insonify.arrays import Floats
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
-from insonify.scene.water.surfaces import SurfaceKind
+from insonify.scene.water.surfaces import WAYS, SurfaceKind
 
 STRATA = 8  # of tilts, each combined with two of heights
 
 
 def make_surface_multipath(surface: SurfaceKind) -> SurfaceMultipath:
     """Paths by the sea surface and its facets, packed for the kernels."""
-    paths = surface.paths
-    if not any(paths):
-        return no_surface_multipath()
-    if surface.rms_height == 0.0:
-        return SurfaceMultipath(True, *paths, 0.0, 0.0, np.zeros((2, 1, 4)))
-    return SurfaceMultipath(True, *paths, surface.rms_height, surface.slope_variance, facets())
+    switched: dict[str, Any] = dict(zip(WAYS, surface.paths))
+    calm = no_surface_multipath()._replace(enabled=any(surface.paths), **switched)
+    if not calm.enabled or surface.rms_height == 0.0:
+        return calm
+    return calm._replace(rms_height=surface.rms_height, slope_variance=surface.slope_variance, facets=facets())
 
 
 def facets() -> Floats:

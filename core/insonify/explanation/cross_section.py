@@ -5,14 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.explanation.pixel_parts import arrays_at, whole_window
+from insonify.explanation.pixel_parts import arrays_at, find_athwart_parts
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
 from insonify.explanation.words import name_part
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
-from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
+from insonify.tracers.echo_parts import EchoParts
 
 SAMPLES = 1024  # of the bed's profile
 
@@ -38,12 +37,9 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
     arrays, pose = arrays_at(simulation, ping)
     sonar, reach = locate_sonar(simulation, pose, side), arrays.bins * arrays.bin_length
     _, folded = make_apparent_tables(arrays, pose)
-    fans = lay_planes_of_images(arrays, pose, simulation.plan.label_settings.get("planes", 1))
     azimuth, parts = 0.0, None
-    if fans and not folded.any():
-        fan = take_central_plane(arrays, fans[0][1])
-        azimuth = float(fan.azimuth[0])
-        parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
+    if not folded.any():
+        azimuth, parts = find_athwart_parts(arrays, pose, side, simulation.plan.label_settings.get("planes", 1))
     x = np.linspace(0.0, reach, SAMPLES)
     level = sonar.place[:2] + np.multiply.outer(x, sonar.direction(azimuth))
     bed = np.column_stack([x, simulation.ground.height_at(level[:, 0], level[:, 1])])

@@ -20,7 +20,7 @@ import numpy as np
 
 from insonify.acoustics.bed_materials import find_material, misfit
 from insonify.arrays import Floats, Singles
-from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts, whole_window
+from insonify.explanation.pixel_parts import PixelParts, find_athwart_parts, find_pixel_parts
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
 from insonify.kernels.common.types import LIGHT, SceneArrays
@@ -29,8 +29,7 @@ from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
 from insonify.tracers import sweep
-from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.echo_parts import EchoParts, find_direct_parts, take_central_plane
+from insonify.tracers.echo_parts import EchoParts
 from insonify.tracers.labels import PATHS
 
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
@@ -169,24 +168,13 @@ def _silence(pixel: PixelParts) -> str:
     """Sentence that explains a pixel without an echo where nothing is hidden."""
     if pixel.folded:
         return "no echo: no ray lands there"
-    echoing = athwart_parts(pixel)
-    first = float(echoing.near.min(initial=math.inf))
-    if pixel.window.far <= first:
+    _, parts = find_athwart_parts(pixel.arrays, pixel.pose, pixel.side, 1)
+    first = math.inf if parts is None else float(parts.near[parts.state == VISIBLE].min(initial=math.inf))
+    if (pixel.window.first + pixel.window.weights.shape[1]) * pixel.arrays.bin_length <= first:
         return f"water column: the first echo comes from {first:.1f} m" if math.isfinite(first) else "no bed in range"
     if pixel.parts.value.size == 0:
         return "no echo: no bed there"
     return "no echo: outside the beam" if not np.any(pixel.parts.weight > 0.0) else "no echo: the slope faces away"
-
-
-def athwart_parts(pixel: PixelParts) -> EchoParts:
-    """Parts that echo in any bin, in the plane along the axis of the beam."""
-    fans = lay_planes_of_images(pixel.arrays, pixel.pose, 1)
-    if not fans:
-        return pixel.parts.take(np.zeros(0, np.int64))
-    fan = take_central_plane(pixel.arrays, fans[0][1])
-    window = whole_window(pixel.arrays)
-    parts = find_direct_parts(pixel.arrays, pixel.pose, pixel.side, window, fan)
-    return parts.take(parts.state == VISIBLE)
 
 
 @dataclass(frozen=True)
@@ -348,17 +336,14 @@ def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int
     elif terms and levels[0] == SILENCE:
         budget = []
     for before, after, stage in zip(levels, levels[1:], stages[1:]):
-        term = _change(stage.name, before, after, stage.detail)
-        if term is not None:
-            budget.insert(0 if stage.name == "source level" else len(budget), term)
+        if before > SILENCE:
+            term = Term(stage.name, after - before, stage.detail)
+        elif after > SILENCE:
+            term = Term(stage.name, after, f"{stage.detail}; nothing else is there")
+        else:
+            continue
+        budget.insert(0 if stage.name == "source level" else len(budget), term)
     return budget
-
-
-def _change(name: str, before: float, after: float, detail: str) -> Term | None:
-    """Term of a change of level; where there was silence before, the level itself; None where silence lasts."""
-    if before == SILENCE:
-        return None if after == SILENCE else Term(name, after, f"{detail}; nothing else is there")
-    return Term(name, after - before, detail)
 
 
 def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:

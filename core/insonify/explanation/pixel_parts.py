@@ -1,7 +1,6 @@
 """Parts of the echo in one pixel, the range bins that the pulse brings into it, and the scene about it."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,23 +14,14 @@ from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tow.poses import take_poses
-from insonify.tracers.echo_parts import EchoParts, find_echo_parts
+from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.echo_parts import EchoParts, find_direct_parts, find_echo_parts, take_central_plane
 
 LOUD = 0.02  # share of a contributor's echo from which a ray is drawn to a part of it
 MOST_RAYS = 12  # to the parts of one contributor
 
 
-class PixelWindow(NamedTuple):
-    """Range bins with echoes that arrive in one pixel."""
-
-    # Weights of each bin: share that the pulse brings into the pixel; the same with spreading; and with
-    # absorption.
-    window: Window
-    near: float  # slant ranges between which they lie, m
-    far: float
-
-
-def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
+def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> Window:
     """Range bins with echoes that the pulse brings into a pixel."""
     late = np.arange(taps.weights.size) - taps.before
     # Beyond the last bin the echo keeps its last value, as in the receiver.
@@ -45,16 +35,13 @@ def pixel_window(arrays: SceneArrays, taps: Taps, pixel: int) -> PixelWindow:
 
 def whole_window(arrays: SceneArrays) -> Window:
     """All range bins of one side, each with weight 1."""
-    return _weigh(arrays, 0, np.ones(arrays.bins)).window
+    return _weigh(arrays, 0, np.ones(arrays.bins))
 
 
-def _weigh(arrays: SceneArrays, first: int, share: Floats) -> PixelWindow:
+def _weigh(arrays: SceneArrays, first: int, share: Floats) -> Window:
     bins = slice(first, first + share.size)
-    r = bin_centres(arrays)[bins]
-    spreading = r**-4.0 if arrays.law == SONAR else np.ones(r.size)
-    weights = np.stack([share, share * spreading, share * arrays.range_factor[bins]])
-    length = arrays.bin_length
-    return PixelWindow(Window(first, weights), first * length, (first + share.size) * length)
+    spreading = bin_centres(arrays)[bins] ** -4.0 if arrays.law == SONAR else 1.0
+    return Window(first, np.stack([share, share * spreading, share * arrays.range_factor[bins]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +52,7 @@ class PixelParts:
     arrays: SceneArrays  # as traced, over the ground about the ping
     pose: Poses  # of the ping
     side: int
-    window: PixelWindow  # bins that echo in the pixel
+    window: Window  # bins that echo in the pixel
     sonar: SonarPose
     folded: bool  # whether refraction folds, so that parts are single rays
     parts: EchoParts
@@ -82,10 +69,8 @@ class PixelParts:
 
     def segments(self, some: EchoParts) -> Floats:
         """Beginnings and ends of parts in local coordinates, (n, 2, 3) in metres."""
-        ends = [
-            [self.sonar.to_world(azimuth, np.stack(pair)) for azimuth, *pair in zip(some.azimuth, some.begin, some.end)]
-        ]
-        return np.array(ends).reshape(-1, 2, 3)
+        ends = zip(some.azimuth, some.begin, some.end)
+        return np.array([self.sonar.to_world(azimuth, np.stack(pair)) for azimuth, *pair in ends]).reshape(-1, 2, 3)
 
     def rays(self, some: EchoParts) -> tuple[Floats, ...]:
         """Paths of the sound to the loudest of some parts, in local coordinates."""
@@ -103,7 +88,7 @@ def find_pixel_parts(simulation: Simulation, ping: int, side: int, pixel: int) -
     """Find the parts of the echo in one pixel."""
     arrays, pose = arrays_at(simulation, ping)
     window, sonar = pixel_window(arrays, simulation.reception.taps, pixel), locate_sonar(simulation, pose, side)
-    parts = find_echo_parts(arrays, pose, side, window.window, **simulation.plan.label_settings)
+    parts = find_echo_parts(arrays, pose, side, window, **simulation.plan.label_settings)
     _, folded = make_apparent_tables(arrays, pose)
     placed = _place_surface_parts(simulation, sonar, parts)
     return PixelParts(simulation, arrays, pose, side, window, sonar, bool(folded.any()), placed)
@@ -114,6 +99,15 @@ def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
     pose = simulation.poses(np.array([ping], dtype=np.int64))
     ((_, arrays),) = simulation.tiles.split(simulation.reduced, pose)
     return arrays, take_poses(pose, slice(0, 1))
+
+
+def find_athwart_parts(arrays: SceneArrays, pose: Poses, side: int, planes: int) -> tuple[float, EchoParts | None]:
+    """Azimuth of the plane along the axis of the beam, and the direct parts in it of any bin; None without a plane."""
+    fans = lay_planes_of_images(arrays, pose, planes)
+    if not fans:
+        return 0.0, None
+    fan = take_central_plane(arrays, fans[0][1])
+    return float(fan.azimuth[0]), find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
 
 
 def _place_surface_parts(simulation: Simulation, sonar: SonarPose, parts: EchoParts) -> EchoParts:

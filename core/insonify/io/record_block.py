@@ -1,6 +1,6 @@
 """Successive pings of a record as plain arrays: the data of a Dataset, without the time that xarray takes to import."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
@@ -56,17 +56,12 @@ def make_record_block(
     data: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> RecordBlock:
     """Make a block from variables as a Dataset takes them."""
-    variables = {name: _variable(name, given) for name, given in {**data, **coordinates}.items()}
+    variables = {}
+    for name, given in {**data, **coordinates}.items():
+        dims, values, text = given if isinstance(given, tuple) else (name, given, {})
+        variables[name] = RecordVariable((dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), text)
     named = [name for name, each in variables.items() if each.dims == (name,)]
     return RecordBlock(variables, tuple(dict.fromkeys([*coordinates, *named])), attributes)
-
-
-def _variable(name: str, given: tuple[Any, ...] | Sequence[Any]) -> RecordVariable:
-    """Return a variable given in one of the ways of `make_record_block`."""
-    if not isinstance(given, tuple):
-        return RecordVariable((name,), np.array(given), {})
-    dims, values, attributes = given
-    return RecordVariable((dims,) if isinstance(dims, str) else tuple(dims), np.asarray(values), attributes)
 
 
 def as_block(record: Record) -> RecordBlock:

@@ -95,7 +95,7 @@ def label_variables(
     volumes: Sequence[str],
 ) -> dict[str, Any]:
     """Return the variables that label each range bin, with the names of their numbers."""
-    bodies, things = _count_from(0, *targets), _count_from(-1, "nothing", *materials)
+    bodies, things = dict(enumerate(targets)), dict(enumerate(["nothing", *materials], -1))
     attributes = {
         "target_id": _flags("greatest contributor of the bin", {-2: "nothing", -1: "bed"} | bodies),
         "material": _flags("material of that contributor", things),
@@ -103,12 +103,12 @@ def label_variables(
         "shadow_id": _flags("target that hides most of it", {-2: "nothing"} | bodies),
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
-        "path": _flags("propagation path of the sound", _count_from(-1, "none", *paths)),
+        "path": _flags("propagation path of the sound", dict(enumerate(["none", *paths], -1))),
         "caustic": {"long_name": "whether the sound passes near a caustic, with its level limited by wave theory"},
     }
     if volumes:
         text = "volume of the water column with a greater mean echo than that contributor"
-        attributes["volume_id"] = _flags(text, {-2: "nothing"} | _count_from(0, *volumes))
+        attributes["volume_id"] = _flags(text, {-2: "nothing"} | dict(enumerate(volumes)))
     attributes = {name: each for name, each in attributes.items() if name in columns}
     for name, each in attributes.items():
         if "flag_values" in each:
@@ -120,11 +120,6 @@ def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]
     """Return the variables that describe the echo and shadow of each target."""
     found = {name: (dims, columns[name], labels(*text)) for name, (dims, *text) in TARGET_TRUTH.items()}
     return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | found
-
-
-def _count_from(first: int, *meanings: str) -> dict[int, str]:
-    """Give meanings successive numbers."""
-    return dict(enumerate(meanings, first))
 
 
 def _flags(text: str, meanings: Mapping[int, str]) -> dict[str, Any]:

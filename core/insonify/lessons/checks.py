@@ -8,7 +8,7 @@ from typing import Any
 from insonify.arrays import Dataset
 from insonify.errors import SceneError
 from insonify.lessons.conditions import Reader, parse_condition, parse_expression
-from insonify.lessons.courses import check_course
+from insonify.lessons.courses import OTHER, load_courses
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
@@ -17,9 +17,16 @@ from insonify.lessons.states import AUTOMATIC, USUAL_TOLERANCE, LessonState, nam
 
 def check_lesson(lesson: Lesson) -> None:
     """Check that every step of a lesson can be done, one after the other, and its questions answered."""
-    check_course(lesson)
+    topics = {course.name: course.topics for course in (*load_courses(), OTHER)}
+    with named(lesson):
+        if lesson.course not in topics:
+            known = ", ".join(filter(None, topics))
+            raise SceneError(f"course: {lesson.course!r} does not exist; choose one of {known}")
     for step, start, end in states_of(lesson):
         with named(lesson, step):
+            if step.topic not in ("", *topics[lesson.course]):
+                known = ", ".join(topics[lesson.course])
+                raise SceneError(f"topic: {step.topic!r} is not of the course {lesson.course!r}; choose one of {known}")
             _check_step(step, start, end)
             if step.ask is not None and step.ask.value:
                 _check_number(step.ask, end.reader(start))

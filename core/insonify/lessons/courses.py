@@ -6,7 +6,6 @@ from functools import cache
 
 from pydantic import Field
 
-from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.lessons.lesson import Lesson
 from insonify.scene.base import Declaration
@@ -26,33 +25,14 @@ class Course(Declaration):
 OTHER = Course(name="", title="Other lessons")  # lessons that belong to no course
 
 
-class Courses(Declaration):
-    """The file of courses."""
-
-    courses: tuple[Course, ...]
-
-
 @cache
 def load_courses() -> tuple[Course, ...]:
     """Read the courses that come with the package, in their order."""
     text = (resources() / "lessons" / "courses.toml").read_text(encoding="utf-8")
-    return Courses.model_validate(tomllib.loads(text)).courses
+    return tuple(map(Course.model_validate, tomllib.loads(text)["courses"]))
 
 
 def group_lessons(lessons: Sequence[Lesson]) -> list[tuple[Course, list[Lesson]]]:
     """Group lessons by course, in the order of the courses; those of no course come last."""
     groups = [(course, [each for each in lessons if each.course == course.name]) for course in (*load_courses(), OTHER)]
     return [(course, members) for course, members in groups if members]
-
-
-def check_course(lesson: Lesson) -> None:
-    """Check that the course of a lesson exists, and has the topics of its steps."""
-    topics = {course.name: course.topics for course in (*load_courses(), OTHER)}
-    if lesson.course not in topics:
-        known = ", ".join(filter(None, topics))
-        raise SceneError(f"lesson {lesson.name}: course: {lesson.course!r} does not exist; choose one of {known}")
-    for step in lesson.steps:
-        if step.topic not in ("", *topics[lesson.course]):
-            where = f"lesson {lesson.name}, step {step.title!r}: topic"
-            known = ", ".join(topics[lesson.course])
-            raise SceneError(f"{where}: {step.topic!r} is not of the course {lesson.course!r}; choose one of {known}")

@@ -1,12 +1,12 @@
 """States that a lesson passes through: the scene and the window's choices."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any, Self
 
-from insonify.errors import SceneError
+from insonify.errors import SceneError, located
 from insonify.files import bundled_scenes
 from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
@@ -110,21 +110,15 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
     elif path == "point.ping":
         if not isinstance(value, int) or value < 0:
             raise SceneError(f"{path}: {value!r} is not the number of a ping; give a whole number from 0")
-    elif path.startswith("plan."):
-        _check_choice(scene, path.removeprefix("plan."), value)
-    else:
+    elif not path.startswith("plan."):
         raise SceneError(f"{path}: is not known; use point.side, point.slant_range or point.ping")
+    elif not isinstance(value, str):
+        raise SceneError(f"{path}: {value!r} is not a text; put it in quotes")
+    elif value != AUTOMATIC:
+        # lazy: loads Numba, and few lessons force a choice
+        from insonify.planning.selection import check_request
 
-
-def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
-    """Reject a choice that no plan of the scene offers."""
-    # lazy: loads Numba, and few lessons force a choice
-    from insonify.planning.selection import check_request
-
-    if not isinstance(choice, str):
-        raise SceneError(f"plan.{subject}: {choice!r} is not a text; put it in quotes")
-    if choice != AUTOMATIC:
-        check_request(scene, USUAL_TOLERANCE, "auto", {subject: choice})
+        check_request(scene, USUAL_TOLERANCE, "auto", {path.removeprefix("plan."): value})
 
 
 def states_of(lesson: Lesson) -> Iterator[tuple[Step, LessonState, LessonState]]:
@@ -155,11 +149,6 @@ def subject_of(step: Step, scene: Scene) -> tuple[float, float] | None:
     return (parts[0].position[0], parts[0].position[1]) if parts else None
 
 
-@contextmanager
-def named(lesson: Lesson, step: Step | None = None) -> Iterator[None]:
+def named(lesson: Lesson, step: Step | None = None) -> AbstractContextManager[None]:
     """Put the names of the lesson and the step in front of a fault."""
-    where = f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}")
-    try:
-        yield
-    except SceneError as error:
-        raise SceneError(f"{where}: {error}") from None
+    return located(f"lesson {lesson.name}" + ("" if step is None else f", step {step.title!r}") + ": ")

@@ -19,7 +19,7 @@ def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Ref
     """Pose every target; its material joins the table of the ground's."""
     shapes = []
     for number, declared in enumerate(scene.targets):
-        with located(f"targets.{number}"):
+        with located(f"targets.{number}."):
             shapes.append(declared.placed(ground))
     frequency = scene.sonar.scattering_frequency
     materials = [declared.material.reflectivity_at(frequency) for declared in scene.targets]

@@ -15,7 +15,7 @@ OTHER_TILES = 2.0  # bound on the heights of endless ground, in those of the til
 
 def outline_of(scene: Scene, number: int) -> Outline:
     """Outline of a target of a scene."""
-    with located(f"targets.{number}"):
+    with located(f"targets.{number}."):
         return scene.targets[number].outline
 
 

@@ -63,17 +63,9 @@ def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_pi
 
 def join_target_truth(*parts: TargetTruth) -> TargetTruth:
     """Join what several blocks of pings show of the same targets."""
-
-    def join(one: TargetTruth, other: TargetTruth) -> TargetTruth:
-        return TargetTruth(
-            _join_boxes(one.echo_box, other.echo_box),
-            _join_boxes(one.shadow_box, other.shadow_box),
-            _join_boxes(one.target_box, other.target_box),
-            np.maximum(one.shadow_length, other.shadow_length),
-            np.fmax(one.target_strength, other.target_strength),
-        )
-
-    return reduce(join, parts)
+    *boxes, lengths, strengths = zip(*parts)
+    echo, shadow, both = (reduce(_join_boxes, each) for each in boxes)
+    return TargetTruth(echo, shadow, both, np.maximum.reduce(lengths), np.fmax.reduce(strengths))
 
 
 def _find_boxes(owner: NDArray[np.int16], targets: int, first_ping: int) -> NDArray[np.int32]:

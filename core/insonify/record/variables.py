@@ -60,22 +60,17 @@ def record_attributes(
         "tolerance": tolerance,
         "version": build.insonify,
         "build": build.text(),
+        "frequency": scene.sonar.frequency,
     }
-    attributes |= _sonar_attributes(scene)
+    sonar = scene.sonar
+    widths = {  # one-way widths and depression of the beams in degrees, where they have one
+        "beam_width": getattr(sonar.beam, "width", None),
+        "vertical_beam_width": getattr(sonar.vertical, "width", None),
+        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
+    }
+    attributes |= {name: value for name, value in widths.items() if value is not None}
     if scene.georeference is not None:
         attributes |= scene.georeference.attributes()
     if forced:
         attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
     return attributes
-
-
-def _sonar_attributes(scene: Scene) -> dict[str, float]:
-    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, where they have one."""
-    sonar = scene.sonar
-    values = {
-        "frequency": sonar.frequency,
-        "beam_width": getattr(sonar.beam, "width", None),
-        "vertical_beam_width": getattr(sonar.vertical, "width", None),
-        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
-    }
-    return {name: value for name, value in values.items() if value is not None}

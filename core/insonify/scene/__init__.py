@@ -1,7 +1,7 @@
 """Declarations of a scene: frozen, validated, read from TOML and written to it."""
 
 from insonify.errors import SceneError
-from insonify.files import bundled_meshes, bundled_scenes, resources
+from insonify.files import bundled_meshes, bundled_scenes
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.files import DEFAULT_SCENE, load_partner, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.scene import Scene
@@ -18,7 +18,6 @@ __all__ = [
     "load_scene",
     "plain",
     "read_setting",
-    "resources",
     "scene_from_toml",
     "scene_to_toml",
 ]

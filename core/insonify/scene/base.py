@@ -294,9 +294,7 @@ def models_of(parent: type[BaseModel], field: str) -> tuple[type[Declaration], .
         return ()
     info = parent.model_fields[field]
     found: list[type[Declaration]] = []
-    pending: list[Any] = [*info.metadata, info.annotation]
-    if any(isinstance(entry, KindOf) for entry in info.metadata):
-        pending.remove(info.annotation)
+    pending: list[Any] = [entry for entry in info.metadata if isinstance(entry, KindOf)] or [info.annotation]
     while pending:
         annotation = pending.pop(0)
         kinds = [entry for entry in getattr(annotation, "__metadata__", ()) if isinstance(entry, KindOf)]
@@ -314,13 +312,11 @@ def models_of(parent: type[BaseModel], field: str) -> tuple[type[Declaration], .
 def is_field(root: type[Declaration], path: str) -> bool:
     """Whether a dotted path leads to a field of a declaration, for some choice of the kinds along it."""
     models: tuple[type[Declaration], ...] = (root,)
-    known = False
-    for step in path.split("."):
-        if step.isdigit() and known:
+    for depth, step in enumerate(path.split(".")):
+        if depth and step.isdigit():
             continue
-        parents = tuple(model for model in models if step in model.model_fields)
-        known = bool(parents)
-        if not known:
+        parents = [model for model in models if step in model.model_fields]
+        if not parents:
             return False
         models = tuple(child for model in parents for child in models_of(model, step))
-    return known
+    return True

@@ -27,11 +27,6 @@ def split_description(text: str) -> tuple[str | Link, ...]:
     return tuple(part for part in parts if part)
 
 
-def plain_words(text: str) -> str:
-    """Return a description without its links but with their words, with single spaces."""
-    return "".join(part if isinstance(part, str) else part.words for part in split_description(text))
-
-
 def read_literal(literal: str) -> Any:
     """Read a value in TOML; anything else is taken as text."""
     try:

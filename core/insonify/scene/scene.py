@@ -8,7 +8,7 @@ from pydantic import field_validator, model_validator
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Coordinate, Declaration, Words, is_field, parameter
-from insonify.scene.links import Link, plain_words, split_description
+from insonify.scene.links import Link, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
@@ -155,7 +155,8 @@ class Scene(Declaration):
     @property
     def about(self) -> str:
         """The description without its links."""
-        return plain_words(self.description)
+        parts = split_description(self.description)
+        return "".join(part if isinstance(part, str) else part.words for part in parts)
 
     @property
     def georeference(self) -> Georeference | None:

@@ -1,23 +1,24 @@
-"""Build the ground of a scene from its declarations: heights, materials and the grid they lie on."""
+"""Build the ground of a scene from its declarations, and the heights of its seabed as arrays and as a picture."""
 
 from functools import lru_cache
 
 import numpy as np
 
 from insonify.array_cache import keep_arrays
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Bytes, Floats, Singles
 from insonify.errors import located
 from insonify.files import kept_until_changed
 from insonify.io.bathymetry import LARGEST_SIDE
 from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
+from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.materials import MaterialMap
 from insonify.scene.seabed.reliefs import HeightGrid, ReliefKind
 from insonify.scene.seabed.reliefs.dem import refine
 from insonify.scene.seabed.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Pit
-from insonify.terrain.endless_field import TILE, Nodes
-from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles
+from insonify.terrain.endless_field import TILE, Nodes, gather_tiles
+from insonify.terrain.endless_ground import SQUARE, AnyGround, EndlessExcerpt, EndlessGround, Tiles, nodes_between
 from insonify.terrain.ground import Ground
 from insonify.terrain.materials import Lattice, endless_materials, material_indices
 from insonify.terrain.random_heights import Heights, endless_heights, periodic_heights
@@ -25,6 +26,7 @@ from insonify.terrain.random_heights import Heights, endless_heights, periodic_h
 # A level bed has no period of its own: a few cells suffice unless a map of materials needs more.
 FLAT_CELLS = 4
 FLAT_CELLS_AT_MOST = 4096
+SHOWN = 1024  # nodes along a side of the picture of endless ground
 GROUNDS = 16  # endless grounds with cached tiles: a scene and its variants without an effect
 FEWEST_CELLS = 3  # of a period, so that it contains a wave below the Nyquist frequency
 
@@ -68,7 +70,7 @@ def build_excerpt(scene: Scene, low: tuple[float, float], high: tuple[float, flo
         x0, y0 = nodes.column * spacing, nodes.row * spacing
         return whole.part(heights(nodes).astype(np.float32), materials(nodes), x0, y0, periodic=False)
 
-    return EndlessExcerpt.of(whole, make, low, high)
+    return EndlessExcerpt(**vars(whole), make=make, rectangle=make(nodes_between(low, high, spacing)))
 
 
 def _endless_ground(scene: Scene, heights: Tiles) -> EndlessGround:
@@ -139,7 +141,7 @@ def _heights(scene: Scene) -> _GridHeights:
     seabed = scene.seabed
     relief, mean = seabed.relief, -seabed.depth
     if relief.level:
-        with located("seabed.material"):
+        with located("seabed.material."):
             shape = seabed.material.level_shape(seabed.spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
         return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing), mean
     if seabed.random_reliefs:
@@ -195,9 +197,7 @@ def _kept_samples(
     return (grid.heights - datum).astype(np.float32), lattice, datum
 
 
-@lru_cache(maxsize=GROUNDS)
-def _kept_relief(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pits: Pits) -> Heights:
-    return _endless_heights(parts, spacing, seed, pits)
+_kept_relief = lru_cache(maxsize=GROUNDS)(_endless_heights)
 
 
 @lru_cache(maxsize=2 * GROUNDS)
@@ -211,3 +211,59 @@ def _kept_squares(parts: tuple[RandomRelief, ...], spacing: float, seed: int, pi
 def _kept_map_tiles(layout: MaterialMap, period: float, spacing: float, seed: int, place: Georeference | None) -> Tiles:
     materials = endless_materials(layout, period, spacing, seed, place)
     return keep_arrays(lambda row, column: materials(Nodes.of_tile(row, column)))
+
+
+def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Floats:
+    """Heights of a seabed above its mean.
+
+    Parameters
+    ----------
+    seabed : Seabed
+        Depth, spacing and relief.
+    shape : (ny, nx), optional
+        Samples of one period along y and x, or nodes of endless ground from the origin; the grid of the seabed when
+        left out. The same seed gives the same landscape on every shape; its rms is exact on the grid of the seabed.
+    seed : int
+        Seed of the landscape.
+
+    Returns
+    -------
+    (ny, nx) float64
+        Metres above the mean bed, NaN where there is none; axis 0 is y, axis 1 is x, both increasing.
+
+    Raises
+    ------
+    SceneError
+        If a shape is given for a measured bed, which has its own, if it has no nodes, or if the bed cannot be built.
+    """
+    if shape is not None and min(shape) < 1:
+        raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
+    if seabed.endless:
+        heights_of = endless_heights(seabed.random_reliefs, seabed.spacing, seed)
+        # Tile by tile, so that any shape takes little memory.
+        return gather_tiles(lambda *place: heights_of(Nodes.of_tile(*place)), (0, 0), shape or (SHOWN, SHOWN))
+    if seabed.random_reliefs:
+        cells = cells_of_period(seabed.random_reliefs[0].period, seabed.spacing)
+        return periodic_heights(seabed.random_reliefs, shape or (cells, cells), (cells, cells), seed)
+    if seabed.relief.level:
+        return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
+    if seabed.relief.detail and shape is None:
+        heights = sample_heights(seabed.relief, seabed.spacing, seed=seed).heights
+    else:
+        heights = seabed.relief.sample(seabed.spacing, shape=shape).heights
+    return np.asarray(heights - np.nanmean(heights)) if seabed.relief.measured else heights
+
+
+def relief_picture(scene: Scene) -> Bytes:
+    """Heights of the bed of a scene as grey levels."""
+    ground = build_ground(scene)
+    if isinstance(ground, EndlessGround):
+        heights = gather_tiles(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]
+    else:
+        heights = ground.heights[::-1]
+    if heights.shape[1] <= FLAT_CELLS and (heights == heights[:, :1]).all():
+        heights = np.tile(heights, (1, 256 // heights.shape[1]))
+    low, high = np.nanmin(heights), np.nanmax(heights)
+    if high == low:
+        return np.zeros(heights.shape, dtype=np.uint8)
+    return np.rint(np.nan_to_num((heights - low) / (high - low)) * 255.0).astype(np.uint8)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -286,11 +286,13 @@ def _band_filters(band: Band, spacing: float, first: int) -> dict[int, _Filter]:
     # A modulated band consists of two fields, each with half of the waves of either sign of frequency.
     share = 1.0 if band.wave is None else 2.0
 
-    def density(level: int) -> Density:
-        low = 0.0 if level == last else _crossing(spacing, level)
-        return _between(band.density, share, low, _crossing(spacing, level - 1))
+    def density(level: int, fx: Floats, fy: Floats) -> Floats:
+        """Part of the density between two crossings, of the last level below one."""
+        frequency = np.hypot(fx, fy)
+        part = share * band.density(fx, fy) * (1.0 - _above(frequency, _crossing(spacing, level - 1)))
+        return part if level == last else np.asarray(part * _above(frequency, _crossing(spacing, level)))
 
-    return {level: _Filter(density(level), spacing * 2.0**level, TAPS) for level in range(first, last + 1)}
+    return {level: _Filter(partial(density, level), spacing * 2.0**level, TAPS) for level in range(first, last + 1)}
 
 
 def gather_tiles(
@@ -312,6 +314,10 @@ class Piece(NamedTuple):
     nodes: range
     part: slice  # the nodes within the tile
     whole: slice  # the nodes within all that were split
+
+    def is_within(self, first: int, count: int) -> bool:
+        """Whether all of them are among successive nodes."""
+        return first <= self.nodes.start and self.nodes.stop <= first + count
 
 
 def split_nodes(first: int, count: int, side: int) -> list[Piece]:
@@ -357,14 +363,3 @@ def _above(frequency: Floats, crossing: float) -> Floats:
     """Share of the power above a crossing."""
     octave = np.log2(np.maximum(frequency, 1e-300) / crossing)
     return np.asarray(np.sin(0.5 * math.pi * np.clip(octave, 0.0, 1.0)) ** 2)
-
-
-def _between(density: Density, share: float, low: float, high: float) -> Density:
-    """Part of a density between two crossings, or below the higher where the lower is 0."""
-
-    def band(fx: Floats, fy: Floats) -> Floats:
-        frequency = np.hypot(fx, fy)
-        part = share * density(fx, fy) * (1.0 - _above(frequency, high))
-        return np.asarray(part * _above(frequency, low) if low > 0.0 else part)
-
-    return band

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple, Self
 
@@ -65,12 +65,12 @@ class EndlessGround:
         # Its arrays are periodic: a node is at its own row and column modulo their side.
         margin = math.ceil(reach / self.spacing) + 2
         side = TILE + 2 * margin + 1
-        square = _Square(row * TILE - margin, column * TILE - margin, side)
-        known = None if stored is None else _Square(stored.row * TILE - margin, stored.column * TILE - margin, side)
+        first = row * TILE - margin, column * TILE - margin
+        known = None if stored is None else (stored.row * TILE - margin, stored.column * TILE - margin)
         heights = np.empty((side, side), np.float32) if stored is None else stored.heights.copy()
         materials = np.empty((side, side), np.uint8) if stored is None else stored.materials.copy()
-        _complete(heights, self.heights, square, known)
-        _complete(materials, self.materials, square, known)
+        _complete(heights, self.heights, first, known)
+        _complete(materials, self.materials, first, known)
         return self.part(heights, materials, 0.0, 0.0, periodic=True)
 
     def part(self, heights: Singles, materials: Bytes, x0: float, y0: float, *, periodic: bool) -> Ground:
@@ -97,9 +97,7 @@ class EndlessGround:
         """Bilinear height as in `height_at`, but from squares, which are faster, where the tile is not cached."""
         return self._interpolated(x, y, self._at_once)
 
-    def height_near(self, x: Floats, y: Floats) -> Floats:
-        """Bilinear height above the datum, the same as `height_at` because there is ground everywhere."""
-        return self.height_at(x, y)
+    height_near = height_at  # because there is ground everywhere
 
     def _interpolated(self, x: Floats, y: Floats, at: Callable[[_Places, _Places], Floats]) -> Floats:
         """Bilinear interpolation of the heights that a function of rows and columns of nodes returns."""
@@ -127,12 +125,6 @@ class EndlessExcerpt(EndlessGround):
     make: Callable[[Nodes], Ground]  # function of some nodes that returns their ground, without ground outside
     rectangle: Ground  # over which all pings are traced, whatever their window
 
-    @classmethod
-    def of(cls, whole: EndlessGround, make: Callable[[Nodes], Ground], low: Corner, high: Corner) -> Self:
-        """Return an excerpt with the rectangle between two corners, x and y in local metres."""
-        shared = {field.name: getattr(whole, field.name) for field in fields(whole)}
-        return cls(**shared, make=make, rectangle=make(_nodes_between(low, high, whole.spacing)))
-
     @property
     def same_windows(self) -> Hashable:
         """Key of the bed: the rectangle."""
@@ -151,13 +143,12 @@ class EndlessExcerpt(EndlessGround):
         low, high = ((centre[0] + sign * half, centre[1] + sign * half) for sign in (-1.0, 1.0))
         corners = (np.array(axis) for axis in zip(low, high))
         if np.isnan(self.rectangle.height_at(*corners)).any():
-            return self.make(_nodes_between(low, high, self.spacing))
+            return self.make(nodes_between(low, high, self.spacing))
         return self.rectangle
 
     def thinned(self, every: int) -> Self:
         """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         thin = super().thinned(every)
-        assert isinstance(thin, EndlessExcerpt)
 
         def make(nodes: Nodes) -> Ground:
             return self.make(Nodes(*(every * number for number in nodes))).thinned(every)
@@ -217,29 +208,15 @@ def _thinned(tiles: Tiles, every: int) -> Tiles:
     return keep_arrays(tile)
 
 
-class _Square(NamedTuple):
-    """Square of nodes."""
-
-    row: int  # its lowest node along y and x
-    column: int
-    side: int  # nodes along a side
-
-    def contains(self, down: Piece, across: Piece) -> bool:
-        """Whether all nodes of some rows and columns are within the square."""
-        return all(
-            low <= piece.nodes.start and piece.nodes.stop <= low + self.side
-            for low, piece in ((self.row, down), (self.column, across))
-        )
-
-
-def _complete(torus: NDArray[Any], tiles: Tiles, square: _Square, known: _Square | None) -> None:
-    """Write the values of a square to an array in which each node is at its indices modulo the side of the square."""
+def _complete(torus: NDArray[Any], tiles: Tiles, first: tuple[int, int], known: tuple[int, int] | None) -> None:
+    """Write the nodes of a square, by its lowest, to an array in which each is at its indices modulo the side."""
     # Nodes of a known square of the same side are already there.
+    side = len(torus)
     missing = [
         (down, across)
-        for down in split_nodes(square.row, square.side, TILE)
-        for across in split_nodes(square.column, square.side, TILE)
-        if known is None or not known.contains(down, across)
+        for down in split_nodes(first[0], side, TILE)
+        for across in split_nodes(first[1], side, TILE)
+        if known is None or not (down.is_within(known[0], side) and across.is_within(known[1], side))
     ]
     # Neighbours together, because they share coarser lattices; lines along the shorter side first.
     outer = min((0, 1), key=lambda axis: len({pieces[axis].tile for pieces in missing}))
@@ -257,7 +234,7 @@ def _write_tiles(torus: NDArray[Any], tiles: Tiles, places: list[tuple[Piece, Pi
                 torus[j.part, i.part] = part[j.whole, i.whole]
 
 
-def _nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:
+def nodes_between(low: Corner, high: Corner, spacing: float) -> Nodes:
     """Nodes around a rectangle; the first are multiples of `FAST`, so that thinned nodes are among them."""
     first = [math.floor(place / spacing / FAST) * FAST for place in low]
     counts = [math.ceil(place / spacing / FAST) * FAST + FAST - begin for place, begin in zip(high, first)]

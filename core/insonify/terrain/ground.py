@@ -71,9 +71,7 @@ class Ground:
         z = self.heights
         return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], u - i, v - j), np.nan)
 
-    def height_at_once(self, x: Floats, y: Floats) -> Floats:
-        """Bilinear height, the same as `height_at` because the whole bed is stored."""
-        return self.height_at(x, y)
+    height_at_once = height_at  # because the whole bed is stored
 
     def height_near(self, x: Floats, y: Floats) -> Floats:
         """Bilinear height above the datum; outside the bed that of the nearest bed."""

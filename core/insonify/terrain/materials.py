@@ -92,7 +92,7 @@ class EndlessCells(BedCells):
 def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: Georeference | None = None) -> Map:
     """Row of the table of materials for each cell, (ny, nx) uint8; the low corner of a cell is its node."""
     cells = BedCells(lattice.shape, lattice.spacing, lattice.x0, lattice.y0, lattice.periodic, seed, place)
-    with located("seabed.material"):
+    with located("seabed.material."):
         return material.indices(cells)
 
 
@@ -104,7 +104,7 @@ def endless_materials(
     def indices(nodes: Nodes) -> Map:
         x0, y0 = nodes.column * spacing, nodes.row * spacing
         cells = EndlessCells(nodes.shape, spacing, x0, y0, False, seed, place, nodes, period)
-        with located("seabed.material"):
+        with located("seabed.material."):
             return material.indices(cells)
 
     return indices

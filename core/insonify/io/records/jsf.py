@@ -65,19 +65,18 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> Dataset:
     if not traces:
         raise FileFault("holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
     frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
-    bands = sorted(frequencies)
-    chosen = recording.choose_frequency([frequencies[band] for band in bands], frequency)
+    band, attributes = recording.choose_band(dict(sorted(frequencies.items())), frequency)
     sides: dict[int, dict[int, recording.SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
-        if trace.subsystem == bands[chosen]:
+        if trace.subsystem == band:
             sides.setdefault(int(trace.header["ping"]), {})[trace.row] = trace.side
             headers.setdefault(int(trace.header["ping"]), trace.header)
     last = next(reversed(sides))
     if len(sides[last]) < len(next(iter(sides.values()))):  # the recording ends between port and starboard
         del sides[last], headers[last]
     track = _track(np.array(list(headers.values()), dtype=TRACE))
-    track.attributes.update(recording.frequency_attributes([frequencies[band] for band in bands], chosen))
+    track.attributes.update(attributes)
     return recording.assemble(path, list(sides.values()), track)
 
 

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -62,23 +62,17 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
     )
 
 
-def choose_frequency(frequencies: Sequence[float], wanted: float | None) -> int:
-    """Return the index of the wanted frequency among those of a recording."""
-    if wanted is None:
-        return 0
-    near = [abs(frequency - wanted) for frequency in frequencies]
-    best = int(np.argmin(near))
-    if near[best] > NEAR * wanted:
-        known = " or ".join(f"{frequency:g}" for frequency in frequencies if frequency > 0.0)
-        remedy = f"choose {known}" if known else "leave it out"
-        raise FileFault(f"has no channels of {wanted:g} Hz", remedy)
-    return best
-
-
-def frequency_attributes(frequencies: Sequence[float], chosen: int) -> dict[str, Any]:
-    """Return the attributes of the chosen frequency in Hz, and of all where there are several."""
-    several = {"frequencies": ", ".join(f"{frequency:g}" for frequency in frequencies)} if len(frequencies) > 1 else {}
-    return {"frequency": frequencies[chosen]} | several
+def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple[int, dict[str, Any]]:
+    """Return the band of the wanted frequency, and attributes of it and of all where there are several; in Hz."""
+    band = next(iter(frequencies))
+    if wanted is not None:
+        band = min(frequencies, key=lambda each: abs(frequencies[each] - wanted))
+        if abs(frequencies[band] - wanted) > NEAR * wanted:
+            known = " or ".join(f"{frequency:g}" for frequency in frequencies.values() if frequency > 0.0)
+            remedy = f"choose {known}" if known else "leave it out"
+            raise FileFault(f"has no channels of {wanted:g} Hz", remedy)
+    every = ", ".join(f"{frequency:g}" for frequency in frequencies.values())
+    return band, {"frequency": frequencies[band]} | ({"frequencies": every} if len(frequencies) > 1 else {})
 
 
 class Fixes(NamedTuple):

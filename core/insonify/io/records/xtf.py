@@ -53,12 +53,10 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> Dataset:
     pings = list(_pings(path, content, header))
     if not pings:
         raise FileFault("holds no side-scan pings", "give a recording with port or starboard channels")
-    frequencies = _frequencies(header, pings)
-    chosen = recording.choose_frequency(list(frequencies.values()), frequency)
-    band = list(frequencies)[chosen]
+    band, attributes = recording.choose_band(_frequencies(header, pings), frequency)
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(recording.frequency_attributes(list(frequencies.values()), chosen))
+    track.attributes.update(attributes)
     if width := _declared(header, band, "HorizBeamAngle", WIDEST_BEAM):
         track.attributes["beam_width"] = width
     return recording.assemble(path, [ping.bands[band] for ping in pings], track)
@@ -188,10 +186,8 @@ def _platform_columns(headers: list[Any], times: Floats, fixes: recording.Fixes)
     """Position, depth, altitude and attitude of the sonar at every ping."""
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     recorded = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
-    depth, height = (
-        _first_of(headers, "SensorDepth"),
-        _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude"),
-    )
+    depth = _column(headers, "SensorDepth")
+    height = _first_of(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
     compass = _first_of(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
     # Without a fix the positions are along +y, by the recorded speed.

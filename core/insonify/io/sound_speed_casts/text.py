@@ -79,7 +79,7 @@ def _table(text: str, names: list[str]) -> Floats:
 
 
 def _identified(known: Columns) -> Columns:
-    """Columns of the cast by Sea-Bird's names; of two sensors the first."""
+    """Columns by Sea-Bird's names, of two sensors the first; pressure gives depth, and conductivity salinity."""
     found = {}
     pressure = _first(known, r"pr(dM|DM|SM|M)")
     temperature = _first(known, r"t\w*(90|68)C")
@@ -93,8 +93,15 @@ def _identified(known: Columns) -> Columns:
     for name, seconds in SECONDS.items():
         if name in known:
             found.setdefault("time", known[name] * seconds)
-    if pressure:
-        _add_of_pressure(known, found, known[pressure])
+    if pressure and "depth" not in found:
+        found["depth"] = depth_of_pressure(known[pressure])
+    conductivity = _first(known, r"c(ond)?_?\d?(S/m|mS/cm|uS/cm)")
+    if pressure and conductivity and "salinity" not in found and "temperature" in found:
+        import gsw  # lazy: only casts with conductivity need it
+
+        unit = next(scale for unit, scale in CONDUCTIVITY.items() if conductivity.endswith(unit))
+        practical = gsw.SP_from_C(known[conductivity] * unit, found["temperature"], known[pressure])
+        found["salinity"] = np.asarray(practical)
     return found
 
 
@@ -103,18 +110,6 @@ def depth_of_pressure(pressure: Floats) -> Floats:
     import gsw  # lazy: only casts with pressure need it
 
     return np.asarray(-gsw.z_from_p(pressure, LATITUDE))
-
-
-def _add_of_pressure(known: Columns, found: Columns, pressure: Floats) -> None:
-    """Add depth from pressure (dbar) and salinity from conductivity where the file lacks them."""
-    import gsw  # a fifth of a second
-
-    if "depth" not in found:
-        found["depth"] = depth_of_pressure(pressure)
-    conductivity = _first(known, r"c(ond)?_?\d?(S/m|mS/cm|uS/cm)")
-    if conductivity and "salinity" not in found and "temperature" in found:
-        unit = next(scale for unit, scale in CONDUCTIVITY.items() if conductivity.endswith(unit))
-        found["salinity"] = np.asarray(gsw.SP_from_C(known[conductivity] * unit, found["temperature"], pressure))
 
 
 def _first(known: Columns, pattern: str) -> str | None:
@@ -212,12 +207,11 @@ def read_log(path: str) -> Columns:
     number, places = next(sufficient, (0, {}))
     if not places:
         raise FileFault("has no line that names the columns of depth or pressure, and of sound speed", LOG_REMEDY)
-    numbers = {name: place for place, name in enumerate(places)}
     rows = (_row(line, places) for line in lines[number + 1 :])
     table = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, len(places))
     if not table.size:
         raise FileFault("has no row of numbers under the names of its columns", LOG_REMEDY)
-    found = {name: table[:, place] for name, place in numbers.items()}
+    found = dict(zip(places, table.T))
     if "time" in found:
         found["time"] = np.unwrap(found["time"], period=DAY)
     pressure = found.pop("pressure", None)

@@ -33,10 +33,8 @@ class Pit(NamedTuple):
     def heights(self, x: Floats, y: Floats) -> Floats:
         """Change of the height of the bed at places, in metres."""
         ahead = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
-        along, across = (
-            (x - self.x) * ahead[0] + (y - self.y) * ahead[1],
-            (y - self.y) * ahead[0] - (x - self.x) * ahead[1],
-        )
+        dx, dy = x - self.x, y - self.y
+        along, across = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
         squared = (along / self.half[0]) ** 2 + (across / self.half[1]) ** 2
         return np.asarray(-self.depth * (1.0 - RIM * squared) * np.exp(-squared))
 
@@ -137,9 +135,10 @@ class Target(Declaration):
         return None
 
     @property
+    @kept_until_changed(maxsize=256)
     def outline(self) -> Outline:
         """Measures of the shape."""
-        return _outline_of(self)
+        return self.shape().outline
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
@@ -187,8 +186,3 @@ class Posed(Body):
 
 
 AnyTarget = Annotated[Target, KindOf(TARGETS)]
-
-
-@kept_until_changed(maxsize=256)
-def _outline_of(target: Target) -> Outline:
-    return target.shape().outline

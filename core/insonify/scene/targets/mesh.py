@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from insonify.arrays import Floats
-from insonify.errors import SceneError
+from insonify.errors import located
 from insonify.files import kept_until_changed
 from insonify.io.meshes import bounds_bodies, read_mesh
 from insonify.scene.base import FilePath, parameter
@@ -51,7 +51,5 @@ def _measured(path: str) -> tuple[Floats, int, bool]:
 
 
 def _read(path: str) -> Floats:
-    try:
+    with located("path: "):
         return read_mesh(path)
-    except SceneError as error:
-        raise SceneError(f"path: {error}") from None

@@ -98,9 +98,7 @@ class Wreck(Sunken, kind="wreck", rank=6):
         hull = _Hull(self)
         cut = 9 + int(18 * draw_shares(self.seed, "cut", 1)[0])
         place = (cut / (FRAMES - 1) - 0.5) * self.length
-        both: list[list[Triangles]] = [[], []]
-        for first, last, parts in ((0, cut, both[0]), (cut, FRAMES - 1, both[1])):
-            parts += hull.shell(first, last)
+        both = hull.shell(0, cut), hull.shell(cut, FRAMES - 1)
         for part in hull.fittings():
             if len(part):
                 both[int(part[..., 0].mean() > place)].append(part)
@@ -153,8 +151,8 @@ class _Hull:
         lost = self._decay * (0.35 + 0.9 * worn[..., None] + 0.25 * torn) * (0.2 + strake) > 0.62
         lost |= torn < 0.35 * self._decay * strake
         lost &= strake > 0.0
-        parts = [skin(around, self._plate, ~np.concatenate([lost[0][:, ::-1], lost[1]], axis=1))]
-        return [*parts, *self._deck(first, last)]
+        sides = skin(around, self._plate, ~np.concatenate([lost[0][:, ::-1], lost[1]], axis=1))
+        return [sides, *self._deck(first, last)]
 
     def _deck(self, first: int, last: int) -> Iterator[Triangles]:
         """Deck with its hatches, as far as it is left; none in an open boat."""
@@ -179,14 +177,14 @@ class _Hull:
 
     def fittings(self) -> Iterator[Triangles]:
         """Ribs, beams, coamings, houses, masts, machines and rails."""
-        makers = (self._ribs, self._beams, self._coamings, self._houses, self._masts, self._machines, self._rails)
+        makers = [self._coamings, self._houses, self._masts, self._machines]
+        if self._form.bulwark >= 0.0:  # not closed above
+            makers = [self._ribs, self._beams, *makers, self._rails]
         for make in makers:
             yield from make()
 
     def _ribs(self) -> Iterator[Triangles]:
         """Ribs along the inside of both sides; some have fallen."""
-        if self._form.bulwark < 0.0:
-            return
         count = int(np.clip(self._length / (0.9 if self._wreck.timber else 1.4), 9, 26))
         x = np.linspace(-0.46, 0.45, count) * self._length
         thick = (0.022 if self._wreck.timber else 0.012) * self._beam
@@ -202,8 +200,6 @@ class _Hull:
 
     def _beams(self) -> Iterator[Triangles]:
         """Beams across under the deck, thwarts of an open boat; some hang."""
-        if self._form.bulwark < 0.0:
-            return
         is_open = self._form.bulwark >= 1.0
         count = 4 if is_open else 12
         x = np.linspace(-0.34, 0.36, count) * self._length
@@ -282,8 +278,6 @@ class _Hull:
         rim = self._points(x, np.array([1.0]), 0.8 * self._plate)[:, 0]
         for hand, drawn in zip((1.0, -1.0), self._draw("rails", 2, FRAMES // 3)):
             line = rim * np.array([1.0, hand, 1.0])
-            if self._form.bulwark < 0.0:
-                continue
             stay = drawn[np.arange(len(x) - 1) // 3] > 0.2 + 1.3 * self._decay
             up = np.array([0.0, 0.0, 0.0 if self._form.bulwark >= 1.0 else 0.12 * self._depth])
             yield bars(line[:-1][stay] + up, line[1:][stay] + up, 0.8 * self._plate)

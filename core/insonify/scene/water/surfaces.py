@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import ClassVar
 
 from insonify.scene.base import Family, Kind, describe_excess, parameter
 
@@ -20,16 +21,12 @@ class SurfaceKind(Kind):
     """The sea surface."""
 
     family = SURFACES
+    reflects: ClassVar[bool] = False  # whether it reflects sound
 
     @property
-    def reflects(self) -> bool:
-        """Whether the sea surface reflects sound."""
-        return False
-
-    @property
-    def paths(self) -> tuple[bool, bool, bool, bool]:
+    def paths(self) -> tuple[bool, ...]:
         """Whether each multipath by the surface is modelled, in the order of `WAYS`."""
-        return False, False, False, False
+        return tuple(getattr(self, way, False) for way in WAYS)
 
     @property
     def rms_height(self) -> float:
@@ -49,22 +46,13 @@ class NoSurface(SurfaceKind, kind="none", rank=10):
 class MirrorSurface(SurfaceKind):
     """A sea surface that reflects all sound; each path by it can be switched off."""
 
+    reflects = True
     surface_bottom: bool = parameter(True, "paths by the surface one way and direct the other way")
     surface_bottom_surface: bool = parameter(True, "paths by the surface both ways")
     second_bottom: bool = parameter(
         True, "paths by the bed beneath the sonar and then the surface one way, direct the other way"
     )
     surface_echo: bool = parameter(True, "the echo of the surface straight above the sonar")
-
-    @property
-    def reflects(self) -> bool:
-        """Whether the sea surface reflects sound."""
-        return True
-
-    @property
-    def paths(self) -> tuple[bool, bool, bool, bool]:
-        """Which paths by the surface are switched on, in the order of `WAYS`."""
-        return self.surface_bottom, self.surface_bottom_surface, self.second_bottom, self.surface_echo
 
 
 class FlatSurface(MirrorSurface, kind="flat", rank=20):

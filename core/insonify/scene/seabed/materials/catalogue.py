@@ -6,7 +6,8 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 
 import math
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections import UserDict
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, NamedTuple, Self
 
@@ -77,12 +78,7 @@ class NamedMaterial(Declaration):
     @property
     def model(self) -> Sediment | None:
         """Sediment of the backscatter model; None for a material without one."""
-        one = self.sediment
-        if one is None:
-            return None
-        return Sediment(
-            self.density, self.speed_ratio, one.loss, one.volume, one.spectral_strength, one.spectral_exponent
-        )
+        return None if self.sediment is None else Sediment(self.density, self.speed_ratio, **dict(self.sediment))
 
     def reflectivity_at(self, frequency: float | None) -> Reflectivity:
         """Scattering parameters fitted to the model at a frequency in Hz; the declared ones without either."""
@@ -91,28 +87,19 @@ class NamedMaterial(Declaration):
         return self.reflectivity._replace(**fit_law(self.model, frequency, self.shininess)._asdict())
 
 
-class Catalogue(Mapping[str, NamedMaterial]):
+class Catalogue(UserDict[str, NamedMaterial]):
     """Named materials by name: the bundled ones, then those of installed packages, which cannot replace others."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, NamedMaterial] = {}
+        """Read nothing yet."""
 
-    def __getitem__(self, name: str) -> NamedMaterial:
-        return self._materials()[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._materials())
-
-    def __len__(self) -> int:
-        return len(self._materials())
-
-    def _materials(self) -> dict[str, NamedMaterial]:
-        if not self._kept:
-            self._kept = read_materials(resources() / "materials")
-            for entry in announced("insonify.materials"):
-                others = read_materials(Path(entry.load()))
-                self._kept |= {name: others[name] for name in others if name not in self._kept}
-        return self._kept
+    @cached_property
+    def data(self) -> dict[str, NamedMaterial]:  # type: ignore[override]  # read when first used
+        """All materials."""
+        found = read_materials(resources() / "materials")
+        for entry in announced("insonify.materials"):
+            found = found | read_materials(Path(entry.load())) | found
+        return found
 
 
 def check_albedo(diffuse: float, specular: float) -> None:

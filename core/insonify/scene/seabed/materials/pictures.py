@@ -4,7 +4,6 @@ from functools import partial
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 
 from insonify.arrays import Floats, Integers
@@ -64,29 +63,16 @@ class ImageMap(CompositeMap, kind="image", rank=5):
 @kept_until_changed(maxsize=4)
 def read_picture(path: str, count: int) -> Map:
     """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first."""
-    pixels, levels = _read(path)
-    if levels is None:
-        if int(pixels.max()) >= count:
-            raise _refusal(
-                path,
-                f"uses colour {int(pixels.max())} of its palette",
-                f"give a material for each colour, not only {count}",
-            )
-        bands = pixels
-    else:
-        bands = pixels.astype(np.uint32) * count // levels
-    return np.ascontiguousarray(bands[::-1].astype(np.uint8))
-
-
-def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
-    """Pixels from the top row, and their number of grey levels; None for pixels with a palette."""
     with guarded(partial(_refusal, path), "give a PNG or TIFF picture"):
-        mode, pixels = read_pixels(path)
-    if mode == "P":
-        return pixels, None
-    if mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[mode]:
-        raise _refusal(path, f"has pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
-    return pixels, LEVELS[mode]
+        mode, bands = read_pixels(path)
+    if mode != "P":  # without a palette
+        if mode not in LEVELS or not 0 <= int(bands.min()) <= int(bands.max()) < LEVELS[mode]:
+            raise _refusal(path, f"has pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
+        bands = bands.astype(np.uint32) * count // LEVELS[mode]
+    elif (most := int(bands.max())) >= count:
+        remedy = f"give a material for each colour, not only {count}"
+        raise _refusal(path, f"uses colour {most} of its palette", remedy)
+    return np.ascontiguousarray(bands[::-1].astype(np.uint8))
 
 
 def _pixels(place: Floats, size: float, count: int, period: float | None) -> Integers:

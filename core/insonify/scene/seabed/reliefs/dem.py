@@ -42,11 +42,9 @@ class Dem(AddableRelief, kind="dem", rank=90):
             # Map coordinates reach millions of metres: subtract before anything becomes float32.
             x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
         # Some files name their band depth although it is negative.
-        down = (
-            grid.depths and float(np.nanmin(grid.heights)) >= 0.0
-            if self.positive == "auto"
-            else self.positive == "down"
-        )
+        down = self.positive == "down"
+        if self.positive == "auto":
+            down = grid.depths and float(np.nanmin(grid.heights)) >= 0.0
         factor = -self.scale if down else self.scale
         return HeightGrid(_checked(self, grid.heights * factor + self.datum), step, x0, y0)
 

@@ -73,17 +73,13 @@ class Mimic(ReliefKind, kind="mimic", rank=95):
     ) -> HeightGrid:
         """Sample one period of the dunes, uniform along the track."""
         cells, width = shape or (max(FEWEST_CELLS, round(2.0 * self.reach / spacing)), WIDTH)
-        heights = self.dunes(cells)
-        return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
-
-    def dunes(self, cells: int) -> Floats:
-        """Heights of dunes with the record of the pattern."""
-        y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
+        step = 2.0 * self.reach / cells
+        y = np.arange(cells, dtype=np.float64) * step
         port = y <= self.reach
         heights = np.empty(cells)
         heights[port] = _one_side(self, y[port], 1.0, cells)
         heights[~port] = _one_side(self, 2.0 * self.reach - y[~port], -1.0, cells)
-        return heights
+        return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), step)
 
     def check(self, spacing: float, material: MaterialMap) -> None:
         """Check the number of cells, and that the bed has a single material."""
