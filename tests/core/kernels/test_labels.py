@@ -88,17 +88,6 @@ def test_a_pipe_that_spans():
     assert set(np.unique(port.target_id)) == {-2, -1}
 
 
-def test_a_shadow_seen_by_part_of_a_beam_is_a_share():
-    """A ball narrower than the beam leaves light beside its shadow; one plane alone sees it dark."""
-    ball = ((0.0, 20.0, 1.0), 0.3)
-    options = {"periodic": True, "solids": [ball], "bins": 800}
-    fan = arrays_of(FLAT, 0.1, half_width=math.radians(3.0), **options)
-    share = both(fan, poses_of(0.0, 0.0, ALTITUDE), planes=128)[1].shadow[0, 0].max()
-    # Behind the ball the shadow is as wide as the cone about it.
-    assert share == pytest.approx(0.3 / math.hypot(20.0, ALTITUDE - 1.0) / math.radians(3.0), rel=0.02)
-    assert both(arrays_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].max() == 1.0
-
-
 def test_each_target_is_told_from_others_of_its_material():
     balls = [((0.0, 15.0, 0.5), 0.5), ((0.0, -20.0, 0.5), 0.5)]
     arrays = arrays_of(FLAT, 0.1, periodic=True, solids=balls, bins=600)
