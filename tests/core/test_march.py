@@ -64,17 +64,6 @@ def test_steps_leak_through_crests_in_first_order():
     assert order(1.0 / steps, np.abs(leaks)) == pytest.approx(1.0, rel=0.1)
 
 
-def test_long_steps_pass_through_a_ridge():
-    heights = np.zeros((3, 400))
-    heights[:, 200:203] = 3.0
-    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=800)
-    poses = poses_of(0.0, 0.0, 5.0, -math.pi / 2)
-    shadow = slice(int(math.hypot(22, 5) / 0.05), int(math.hypot(36, 5) / 0.05))
-    assert not rays.trace(arrays, poses, rays=4000)[0, 0, shadow].any()
-    assert not march.trace(arrays, poses, step=0.01, rays=4000)[0, 0, shadow].any()
-    assert march.trace(arrays, poses, step=2.0, rays=4000)[0, 0, shadow].any()
-
-
 def test_bodies_are_met_where_they_are_and_small_ones_stepped_over():
     bodies = [((0.0, 9.0, 2.0), 1.0), ((5.0, 0.0, 3.0), (9.0, 0.0, 3.0), 0.5)]
     arrays = arrays_of(FLAT, 4.0, periodic=True, solids=bodies)
