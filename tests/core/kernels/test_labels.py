@@ -88,29 +88,6 @@ def test_a_pipe_that_spans():
     assert set(np.unique(port.target_id)) == {-2, -1}
 
 
-def test_each_target_is_told_from_others_of_its_material():
-    balls = [((0.0, 15.0, 0.5), 0.5), ((0.0, -20.0, 0.5), 0.5)]
-    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=balls, bins=600)
-    _, truth = both(arrays, poses_of(0.0, 0.0, ALTITUDE))
-    for side, distance in enumerate((15.0, 20.0)):
-        near = int((math.hypot(distance, ALTITUDE - 0.5) - 0.5) / 0.05) + 1
-        assert truth.target_id[0, side, near] == side
-        assert truth.material[0, side, near] == 0
-        assert (1 - side) not in truth.target_id[0, side]
-
-
-def test_patches_are_told_by_their_index():
-    """Bands along the track: rows of cells of 1 m that change material at y = 4, 8, 12 m."""
-    arrays = arrays_of(np.zeros((32, 8)), 1.0, periodic=True, reflectivity=[(0.5, 0.0, 1.0), (0.9, 0.0, 1.0)], bins=600)
-    bands = (np.arange(32) // 4 % 2)[:, None] * np.ones((1, 8))
-    bed = arrays.bed._replace(materials=bands.astype(np.uint8), mapped=True)
-    _, truth = both(arrays._replace(bed=bed), poses_of(0.0, 0.0, ALTITUDE))
-    edges = ground_extent(ALTITUDE, 600, 0.05)
-    near, far = edges[:-1], edges[1:]
-    one_band = (near // 4 == far // 4) & (near > 0.0)
-    np.testing.assert_array_equal(truth.material[0, 0][one_band], (near // 4 % 2)[one_band])
-
-
 def test_a_mute_bed_in_sight_is_no_shadow_nor_is_where_there_is_no_bed():
     ball = ((0.0, 20.0, 0.5), 0.5)
     arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[ball], reflectivity=[(0.0, 0.0, 1.0)])
