@@ -8,7 +8,7 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from exact_rays import order
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
+from insonify.kernels.rays.cell_walk import empty_hits
 from insonify.kernels.rays.march import march_hits
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
@@ -17,12 +17,8 @@ FLAT = np.zeros((8, 8))
 
 
 def hits_of(arrays, origin, directions, step):
-    ways = np.asarray(directions, dtype=float)
-    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    starts = np.broadcast_to(np.asarray(origin, dtype=float), ways.shape)
-    hits = empty_hits(len(ways))
+    hits, bundle = empty_hits(len(directions)), rays._bundle(origin, directions)
     near = np.arange(arrays.solids.shape.size)
-    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
     reach = arrays.bins * arrays.bin_length
     march_hits(arrays.bed, arrays.solids, near, near.size, arrays.mesh, bundle, reach, step, hits)
     return hits
