@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from commands import wait_until
 from insonify import operating_system
 from insonify.errors import FileWarning
 from insonify.io import atomic
@@ -210,10 +211,7 @@ def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
     monkeypatch.setattr(atomic, "lock_file", lambda *words, **options: None)
     with unfinished_folder(tmp_path / "record.nc") as folder:
         os.utime(folder / atomic.LEASE, (0.0, 0.0))
-        deadline = time.monotonic() + 60.0
-        while not is_leased(folder) and time.monotonic() < deadline:
-            time.sleep(0.01)
-        assert is_leased(folder)
+        wait_until(lambda: is_leased(folder))
 
 
 def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):
