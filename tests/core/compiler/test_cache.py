@@ -5,8 +5,6 @@ import os
 import pickle
 import re
 import shutil
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -14,7 +12,7 @@ import numba
 import platformdirs
 import pytest
 
-from commands import output_of
+from commands import output_of, run_python
 from insonify.compiler.cache import _CacheFile
 from insonify.compiler.cache_folder import CacheWarning, cache_folder, is_private
 from insonify.compiler.digests import source_digests
@@ -87,12 +85,11 @@ def test_digests_that_cannot_be_kept_or_are_damaged_are_computed_all_the_same(tm
 
 def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[int, str]:
     """Call a kernel in a new process; how often its machine code was read from disk, and what was warned of."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    command = [sys.executable, "-c", USE, version]
-    done = subprocess.run(command, env=environment, capture_output=True, check=True, text=True)
-    value, hits = done.stdout.split()
+    code, printed, told = run_python("-c", USE, version, env=os.environ | {"NUMBA_CACHE_DIR": str(cache)})
+    assert code == 0, told
+    value, hits = printed.split()
     assert value == VALUE
-    return int(hits), done.stderr
+    return int(hits), told
 
 
 @pytest.fixture(scope="module")
