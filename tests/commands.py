@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -38,3 +40,11 @@ def output_of(*words: str, **environment: str) -> list[str]:
     command = [sys.executable, *words]
     done = subprocess.run(command, env=os.environ | environment, capture_output=True, check=True, text=True)
     return done.stdout.split()
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition holds, which takes no longer than `PATIENCE`."""
+    limit = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.005)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brute_force import bodies_of, strength, triangle
+from brute_force import bodies_of, strength
 from insonify.kernels.common.types import BED, LIGHT, PORT, SPHERE, Bed, SceneArrays, Solids
 
 NOTHING = -2
@@ -53,31 +53,9 @@ def body_depth(solids: Solids, k: int, point: np.ndarray) -> np.ndarray:
 
 
 def cast(arrays: SceneArrays, origin: Sequence[float], direction: Sequence[float], step: float) -> tuple[float, int]:
-    """Find the first hit of one ray: (distance, target, BED or NOTHING).
-
-    Bed and analytic bodies are felt for by tiny steps and bisection, triangles are asked one by one.
-    """
+    """First hit of one ray on bed and solids, by tiny steps and bisection: (distance, target, BED or NOTHING)."""
     o, d = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
     d = d / np.linalg.norm(d)
-    found, reach = [_feel(arrays, o, d, step)], arrays.bins * arrays.bin_length
-    for corners, target in zip(arrays.mesh.corners, arrays.mesh.target):
-        distance = float(triangle(corners)(o, d[None])[0][0])
-        if distance < reach:
-            found.append((distance, int(target)))
-    return min(found, key=lambda hit: hit[0])
-
-
-def inside(arrays: SceneArrays, points: np.ndarray) -> np.ndarray:
-    """What points (n, 3) lie in: a target, BED or NOTHING."""
-    what = np.full(len(points), NOTHING)
-    for k in range(arrays.solids.shape.size):
-        first = (what == NOTHING) & (body_depth(arrays.solids, k, points) <= 0)
-        what[first] = arrays.solids.target[k]
-    what[points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])] = BED
-    return what
-
-
-def _feel(arrays: SceneArrays, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
     reach = arrays.bins * arrays.bin_length
     t = np.arange(0.0, reach + step, step)
     met = inside(arrays, o + t[:, None] * d) != NOTHING
@@ -91,6 +69,16 @@ def _feel(arrays: SceneArrays, o: np.ndarray, d: np.ndarray, step: float) -> tup
             break
         near, far = (near, middle) if inside(arrays, (o + middle * d)[None])[0] != NOTHING else (middle, far)
     return (float(far), int(inside(arrays, (o + far * d)[None])[0])) if far <= reach else (math.inf, NOTHING)
+
+
+def inside(arrays: SceneArrays, points: np.ndarray) -> np.ndarray:
+    """What points (n, 3) lie in: a target, BED or NOTHING."""
+    what = np.full(len(points), NOTHING)
+    for k in range(arrays.solids.shape.size):
+        first = (what == NOTHING) & (body_depth(arrays.solids, k, points) <= 0)
+        what[first] = arrays.solids.target[k]
+    what[points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])] = BED
+    return what
 
 
 def plane_samples(

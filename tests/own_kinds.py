@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pytest
 
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, Cells, CompositeMap
+from insonify.scene.seabed.materials.catalogue import MATERIALS, read_materials
 from insonify.scene.targets import TARGETS, Body, Posed
 from insonify.scene.targets.shape import Shape, ball, frustum
-from own_things import added_materials, forgetting
+from own_things import forgetting
 
 OWN_MATERIALS = Path(__file__).parent / "own_materials"
 AROUND, ACROSS = 96, 32
@@ -20,8 +22,8 @@ AROUND, ACROSS = 96, 32
 
 @contextmanager
 def own_kinds() -> Iterator[None]:
-    shapes, maps = forgetting(TARGETS, "dumbbell", "hoop"), forgetting(MATERIAL_MAPS, "halves")
-    with shapes, maps, added_materials(OWN_MATERIALS):
+    with forgetting(TARGETS, MATERIAL_MAPS), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MATERIALS, "data", MATERIALS.data | read_materials(OWN_MATERIALS))
         _declare()
         yield
 

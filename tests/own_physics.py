@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from typing import Literal
 
 import numpy as np
@@ -19,22 +19,10 @@ from insonify.scene.water import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
 from insonify.scene.water.absorptions import ABSORPTIONS, AbsorptionKind
 from own_things import forgetting
 
-FAMILIES = {
-    RELIEFS: ("band", "terrace"),
-    BEAMS: ("parabola",),
-    PULSES: ("decay",),
-    ABSORPTIONS: ("square",),
-    WATERS: ("gradient",),
-    MOTIONS: ("drift",),
-    SPECKLES: ("grains",),
-}
-
 
 @contextmanager
 def own_physics() -> Iterator[None]:
-    with ExitStack() as stack:
-        for family, kinds in FAMILIES.items():
-            stack.enter_context(forgetting(family, *kinds))
+    with forgetting(RELIEFS, BEAMS, PULSES, ABSORPTIONS, WATERS, MOTIONS, SPECKLES):
         _declare()
         yield
 

@@ -84,8 +84,8 @@ def write_set(folder: Path, text: str = SET, **changes: str) -> Path:
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Hash of every file below a folder, by its path."""
-    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    """Hash of every file below a folder by its path, or of a single file."""
+    files = (path for path in sorted([folder, *folder.rglob("*")]) if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 

@@ -6,10 +6,9 @@ import pytest
 
 from insonify.acoustics.water import make_sound_speed_field
 from insonify.io.sound_speed_casts import read_cast
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import SceneError, load_scene
 from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
-from insonify.simulation import prepare
 
 SEABIRD = """* Sea-Bird SBE19plus  Data File:
 # nquan = {count}
@@ -175,6 +174,7 @@ def test_a_cast_lies_beside_its_scene_and_is_read_anew(tmp_path):
 
 
 WRONG = [
+    ("nowhere.cnv", None, ["does not exist"]),
     ("cast.xls", "", ["not a format known here", ".cnv"]),
     ("cast.csv", "", ["holds no table"]),
     ("cast.csv", "depth,speed\n", ["holds no table"]),
@@ -201,19 +201,13 @@ WRONG = [
 
 @pytest.mark.parametrize(("name", "content", "words"), WRONG)
 def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, words):
-    path = text(tmp_path / name, content)
+    path = str(tmp_path / name) if content is None else text(tmp_path / name, content)
     with pytest.raises(SceneError) as caught:
         make_sound_speed_field(CastWater(path=path))
     sentence = str(caught.value)
     assert "\n" not in sentence
     for word in ["water.path", path, *words]:
         assert word in sentence
-
-
-def test_a_missing_cast_is_named_before_anything_is_traced():
-    scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
-    with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
-        prepare(scene)
 
 
 DEPTH = np.arange(1.0, 21.0)

@@ -1,6 +1,5 @@
 """The command: exit codes, one sentence for every mistake, no half-written file."""
 
-import importlib
 import os
 import subprocess
 import sys
@@ -136,14 +135,6 @@ def test_a_file_holds_what_simulate_returns(tmp_path, capsys, suffix, truth):
         assert "--truth" in refused(capsys, "render", str(path), "-o", str(tmp_path / "again.nc"), "--truth")
 
 
-def test_settings_change_the_record(tmp_path):
-    first = []
-    for extra in ([], ["--set", "track.altitude=12", "--set", "targets.0.gap=2"]):
-        assert main(["render", *SMALL, "-o", str(tmp_path / "a.npz"), *extra]) == 0
-        first.append(np.load(tmp_path / "a.npz")["intensity"][0, 0].argmax())
-    assert first[0] < first[1]
-
-
 @pytest.mark.parametrize("options", [[], ["--side", "port"], ["--ground-range", "--palette", "pen", "--gain", "-3"]])
 def test_pictures(tmp_path, capsys, options):
     path = tmp_path / "record.png"
@@ -160,26 +151,6 @@ def test_the_seed_changes_the_bed(tmp_path):
     assert a.shape == b.shape == (1024, 1024)
     assert (a.min(), a.max()) == (0, 255)
     assert (a != b).any()
-
-
-@pytest.mark.parametrize("suffix", [".nc", ".png", ".npz"])
-@pytest.mark.parametrize("trouble", [KeyboardInterrupt(), OSError(28, "No space left on device")])
-def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trouble):
-    path = tmp_path / f"record{suffix}"
-    path.write_bytes(b"old")
-    simulate_module = importlib.import_module("insonify.simulation")
-    blocks = simulate_module.Simulation.record_blocks
-
-    def troubled(*arguments, **options):
-        yield next(blocks(*arguments, **options))
-        raise trouble
-
-    monkeypatch.setattr(simulate_module.Simulation, "record_blocks", troubled)
-    code = main(["render", *SMALL, "-o", str(path)])
-    assert code == (130 if isinstance(trouble, KeyboardInterrupt) else 2)
-    assert capsys.readouterr().err.count("\n") == 1
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("protected", ["x.png", "."])

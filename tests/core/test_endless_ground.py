@@ -2,13 +2,13 @@
 
 import gc
 import sys
-import time
 import weakref
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from commands import wait_until
 from insonify.array_cache import ARRAYS
 from insonify.packing import terrain_tiles
 from insonify.packing.packed_scene import pack
@@ -321,10 +321,8 @@ def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
     gc.disable()
     try:
         del field
-        limit = time.monotonic() + 60.0  # a thread of the pool lets go of its work a moment after it is done
-        while ARRAYS.bytes != filters and time.monotonic() < limit:
-            time.sleep(0.001)
-        assert ARRAYS.bytes == filters, "waves wait for no collection of cycles"
+        # Waves wait for no collection of cycles; a thread of the pool lets go of its work a moment after it is done.
+        wait_until(lambda: ARRAYS.bytes == filters)
     finally:
         gc.enable()
 

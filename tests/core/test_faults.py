@@ -1,7 +1,6 @@
 """Faults of the machine: full disks, two writers, no home, locked caches, odd clocks; what is promised of each."""
 
 import errno
-import hashlib
 import os
 import subprocess
 import sys
@@ -14,19 +13,10 @@ import pytest
 from commands import run_python
 from insonify import cli
 from insonify.io.records import read_record
+from small_sets import contents
 
 SMALL = ("pipe-span", "--set", "track.pings=6", "--set", "sonar.bins=2000")
 OUTPUTS = [".npz", ".nc", ".zarr", ".xtf", ".png"]
-
-
-def content(path: Path) -> dict[str, str]:
-    """Digest of a file, or of every file of a folder."""
-    files = sorted(path.rglob("*")) if path.is_dir() else [path]
-    return {
-        file.relative_to(path.parent).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in files
-        if file.is_file()
-    }
 
 
 def render(path: Path, *more: str) -> int:
@@ -89,11 +79,11 @@ def small_disk(tmp_path: Path):
 def test_a_full_disk_leaves_the_old_file(small_disk, whole, suffix, capsys):
     path = small_disk / f"record{suffix}"
     path.mkdir() if suffix == ".zarr" else path.write_text("old")
-    before = content(path)
+    before = contents(path)
     assert cli.main(["render", str(whole / "record.nc"), "-o", str(path)]) == 2
     told = capsys.readouterr().err
     assert told == f"insonify: {path}: No space left on device; check the path, its permissions and the disk\n"
-    assert content(path) == before
+    assert contents(path) == before
     assert [file.name for file in small_disk.iterdir()] == [path.name]
 
 
@@ -101,7 +91,7 @@ def test_a_full_disk_leaves_the_old_file(small_disk, whole, suffix, capsys):
 def test_a_repeated_command_writes_the_same_bits(tmp_path, whole, suffix, monkeypatch):
     monkeypatch.setattr(time, "time", lambda: 0.0)  # a clock in the past
     assert render(tmp_path / f"record{suffix}", "--threads", "1") == 0
-    assert content(tmp_path / f"record{suffix}") == content(whole / f"record{suffix}")
+    assert contents(tmp_path / f"record{suffix}") == contents(whole / f"record{suffix}")
 
 
 @pytest.mark.parametrize("words", ["render", "compare whole/record.nc", "mosaic whole/record.nc", "light", "relief"])

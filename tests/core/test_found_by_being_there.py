@@ -183,7 +183,7 @@ def test_every_module_of_a_command_is_named_after_it():
 def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten() -> None:
     scene = load_scene("targets")
     before = models_of(Scene, "targets")
-    with forgetting(TARGETS, "egg"):
+    with forgetting(TARGETS):
 
         class Egg(Posed):
             """An egg."""

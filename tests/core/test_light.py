@@ -17,10 +17,8 @@ from insonify.scene import edit, load_scene
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}
 
 
-def laid_out(name: str, **changes: Any) -> OpticalScene:
-    return make_optical_scene(
-        edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()})
-    )
+def laid_out(name: str, changes: dict[str, Any]) -> OpticalScene:
+    return make_optical_scene(edit(load_scene(name), changes))
 
 
 def pixel(optical: OpticalScene, image: Any, place: tuple[float, float, float]) -> Any:
@@ -31,7 +29,7 @@ def pixel(optical: OpticalScene, image: Any, place: tuple[float, float, float]) 
 
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
-    optical = laid_out("pipe-on-bed", targets__0__gap=gap)
+    optical = laid_out("pipe-on-bed", {"targets.0.gap": gap})
     image = light_picture(optical, make_cutaway(optical), 600)
     begins, ends = (math.sqrt(r**2 - 10.0**2) for r in pipe_edges(gap)[2:])  # ground ranges, the lamp 10 m up
     middle = optical.scene.track.pings // 2 * optical.scene.track.speed / optical.scene.sonar.ping_rate
@@ -43,7 +41,7 @@ def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
 
 
 def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
-    optical = make_optical_scene(edit(load_scene("pipe-on-bed"), LEVEL))
+    optical = laid_out("pipe-on-bed", LEVEL)
     cutaway = make_cutaway(optical)
     renderer = LightRenderer(optical, cutaway)
     aside = (5.0, 10.0, 20.0)
@@ -58,7 +56,7 @@ def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
 
 
 def test_a_mirror_shows_what_stands_before_it() -> None:
-    optical = laid_out("figure-1", sonar__bounces=1)
+    optical = laid_out("figure-1", {"sonar.bounces": 1})
     # From the ball's side of the mirror at y = 26.9, looking at the ball's image behind it.
     eye, image = np.array([16.0, 10.0, 4.0]), np.array([10.0, 2 * 26.9 - 20.0, 0.8])
     way = (image - eye) / np.linalg.norm(image - eye)
@@ -71,7 +69,7 @@ def test_a_mirror_shows_what_stands_before_it() -> None:
 
 def test_what_leaves_into_the_water_is_accounted_for() -> None:
     """With surfaces that keep nothing, every ray ends on the bed or in the water, and no share is lost or won."""
-    optical = laid_out("figure-1", sonar__bounces=8)
+    optical = laid_out("figure-1", {"sonar.bounces": 8})
     rng = np.random.default_rng(1)
     centre = np.array([12.0, -18.0, 2.5])  # of the clear ball
     eyes = centre + np.column_stack([rng.uniform(-6.0, 6.0, (500, 2)), rng.uniform(3.0, 8.0, 500)])

@@ -8,7 +8,7 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from exact_rays import order
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
+from insonify.kernels.rays.cell_walk import empty_hits
 from insonify.kernels.rays.march import march_hits
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import march, rays
@@ -17,12 +17,8 @@ FLAT = np.zeros((8, 8))
 
 
 def hits_of(arrays, origin, directions, step):
-    ways = np.asarray(directions, dtype=float)
-    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    starts = np.broadcast_to(np.asarray(origin, dtype=float), ways.shape)
-    hits = empty_hits(len(ways))
+    hits, bundle = empty_hits(len(directions)), rays._bundle(origin, directions)
     near = np.arange(arrays.solids.shape.size)
-    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
     reach = arrays.bins * arrays.bin_length
     march_hits(arrays.bed, arrays.solids, near, near.size, arrays.mesh, bundle, reach, step, hits)
     return hits
@@ -62,17 +58,6 @@ def test_steps_leak_through_crests_in_first_order():
     ]
     assert (np.array(leaks) < 0.0).all()
     assert order(1.0 / steps, np.abs(leaks)) == pytest.approx(1.0, rel=0.1)
-
-
-def test_long_steps_pass_through_a_ridge():
-    heights = np.zeros((3, 400))
-    heights[:, 200:203] = 3.0
-    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=800)
-    poses = poses_of(0.0, 0.0, 5.0, -math.pi / 2)
-    shadow = slice(int(math.hypot(22, 5) / 0.05), int(math.hypot(36, 5) / 0.05))
-    assert not rays.trace(arrays, poses, rays=4000)[0, 0, shadow].any()
-    assert not march.trace(arrays, poses, step=0.01, rays=4000)[0, 0, shadow].any()
-    assert march.trace(arrays, poses, step=2.0, rays=4000)[0, 0, shadow].any()
 
 
 def test_bodies_are_met_where_they_are_and_small_ones_stepped_over():

@@ -115,21 +115,3 @@ def test_interfaces_follow_the_ground_and_then_the_targets():
         [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
     )
     assert arrays.interface.shape[0] == arrays.reflectivity.shape[0]
-
-
-@pytest.mark.parametrize("shininess", [4.0, 30.0, 200.0])
-def test_a_traced_lobe_is_as_wide_as_its_exponent_says(shininess):
-    altitude, step = 10.0, 0.001
-    material = {"diffuse": 0.0, "specular": 1.0, "shininess": shininess}
-    scene = build(
-        {
-            "seabed": {"spacing": 0.02, "material": material},
-            "sonar": {"beam": "knife", "pulse": "ideal", "law": "light", "range": 15.0, "bins": 15000},
-            "track": {"altitude": altitude, "pings": 1},
-        }
-    )
-    record = prepare(scene, tolerance=1e-3).intensity(np.array([0]))[0, 0]
-    half = np.flatnonzero(record > 0.5 * record.max())[-1] * step
-    # Sound that returns the way it came is 2α off the mirror direction at incidence α: cosⁿ(2α) = ½.
-    width = math.degrees(0.5 * math.acos(2.0 ** (-1.0 / shininess)))
-    assert math.degrees(math.acos(altitude / half)) == pytest.approx(width, abs=0.2)

@@ -1,7 +1,5 @@
 """Surface multipath and crosstalk in records: labels, what the plan says of them, what is refused."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -85,19 +83,6 @@ def test_each_side_hears_the_other_at_a_level():
     fills = silent & ~silent[::-1]
     assert fills.any()
     assert (found.path.values[fills] == PATHS.index("crosstalk")).all()
-
-
-def test_crosstalk_of_speckled_sides_is_the_speckle_of_the_other():
-    scene = edit(GHOSTS, {"receiver.speckle": "rayleigh"})
-    alone, both = simulate(scene), simulate(edit(scene, {"receiver.crosstalk": -10.0}))
-    own, leaked = alone.intensity.values.astype(float), 0.1 * alone.intensity.values[::-1].astype(float)
-    # Two waves add: between their difference and their sum, and on average their energies.
-    found, margin = both.intensity.values, 1e-5 * (own + leaked)
-    assert (found >= (np.sqrt(own) - np.sqrt(leaked)) ** 2 - margin).all()
-    assert (found <= (np.sqrt(own) + np.sqrt(leaked)) ** 2 + margin).all()
-    heard = (own > 0.0) & (leaked > 0.0)
-    beat = (found - own - leaked)[heard] / (2.0 * np.sqrt(own * leaked)[heard])  # cosine of the angle between them
-    assert abs(beat.mean()) < 4.0 / math.sqrt(2.0 * beat.size)
 
 
 def test_a_plan_says_what_is_made_of_the_sea_and_refuses_what_knows_nothing_of_ghosts():

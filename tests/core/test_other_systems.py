@@ -2,13 +2,12 @@
 
 import ast
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from commands import refused
+from commands import refused, run_python
 from insonify import operating_system
 from insonify.commands.options import check_output
 from insonify.io.atomic import write_text
@@ -90,7 +89,7 @@ def test_on_windows_an_output_of_no_possible_name_is_refused_before_the_work(tmp
 @pytest.mark.parametrize("system", ["windows", "macos"])
 def test_an_imitated_system_lacks_what_it_lacks(system):
     """The plugin under which the quick tests run as on another system."""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "other_systems", "-p", "no:cacheprovider", str(CHECKS)]
+    words = ["-m", "pytest", "-q", "-p", "other_systems", "-p", "no:cacheprovider", str(CHECKS)]
     environment = os.environ | {"INSONIFY_SYSTEM": system, "PYTHONPATH": str(ROOT / "tests")}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    code, *told = run_python(*words, cwd=ROOT, env=environment)
+    assert code == 0, told

@@ -18,6 +18,7 @@ from insonify.io.records import read_record, write_record
 from insonify.io.records.zarr_store import CHUNK, SHARD
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks, simulate_record_blocks
+from small_sets import contents
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
@@ -206,7 +207,7 @@ def test_files_do_not_depend_on_what_blocks_they_are_written_from(tmp_path, suff
     for number, blocks in enumerate(given):
         path = tmp_path / f"{number}{suffix}"
         write_record(path, blocks)
-        written.append([file.read_bytes() for file in sorted([path, *path.rglob("*")]) if file.is_file()])
+        written.append(contents(path))
     assert written[0]
     assert all(files == written[0] for files in written)
 
@@ -262,17 +263,13 @@ def test_blocks_of_pings_share_a_file(tmp_path):
     np.testing.assert_array_equal(store["intensity"][:], record.intensity)
 
 
-def files_in(folder):
-    return {file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-
-
 @pytest.mark.parametrize("size", [100, 700, 3000])
 def test_the_store_does_not_depend_on_the_blocks(tmp_path, size):
     record = long_record(SHARD + 200)
     write_record(tmp_path / "a.zarr", [record])
     parts = [record.isel(ping_time=slice(first, first + size)) for first in range(0, SHARD + 200, size)]
     write_record(tmp_path / "b.zarr", iter(parts))
-    assert files_in(tmp_path / "a.zarr") == files_in(tmp_path / "b.zarr")
+    assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
 
 
 def test_a_store_is_written_and_read_by_the_command(tmp_path, capsys):

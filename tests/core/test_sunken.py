@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import trimesh
 
-import insonify
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_targets, resources
 from insonify.io.meshes import read_mesh
@@ -44,8 +43,7 @@ SOFT = {"kind": "fractal", "period": 64.0, "rms": 0.02, "clamp": "soft", "coeffi
 
 def volume(triangles):
     """Volume within closed parts, by the divergence theorem."""
-    a, b, c = np.moveaxis(triangles, 1, 0)
-    return float((a * np.cross(b, c)).sum()) / 6.0
+    return float(np.linalg.det(triangles).sum()) / 6.0
 
 
 def is_closed(triangles):
@@ -266,10 +264,3 @@ def test_a_target_is_closed_and_as_its_script_makes_it(name, script):
     assert path.stat().st_size < 100_000
     assert 0.1 < mesh.extents.max() < 5.0
     assert mesh.bounds[0, 2] == 0.0
-
-
-def test_a_drum_by_its_name_is_seen_with_its_shadow():
-    target = {"kind": "mesh", "path": "drum", "position": [5.0, 12.0]}
-    changes = {"targets": [target], "track.pings": 50, "sonar.range": 25.0}
-    record = insonify.simulate(edit(insonify.load_scene("default"), changes), truth=True)
-    assert float(record["shadow_length"].sel(channel="port")[0]) > 0.5

@@ -5,15 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM
-from insonify.kernels.geometry.bvh import build_mesh
 from insonify.kernels.geometry.cross_sections import HalfPlane, may_cut_solid, section_solid, solid_distance_bound
 from insonify.scene import edit, load_scene, scene_from_toml
 from insonify.scene.targets import TARGETS, Target
-from insonify.scene.targets.shape import block, rotation_matrix
+from insonify.scene.targets.shape import rotation_matrix
 from insonify.simulation import prepare, simulate
-from naive import NOTHING, body_depth, cast
+from naive import body_depth
 
 POSE = ("heading", "pitch", "roll")
 POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, -90, 10), (10, 180, 0)]
@@ -131,18 +129,6 @@ def test_every_target_has_its_own_material_and_number():
     np.testing.assert_array_equal(made.mesh.material, made.mesh.target + 1)
     # The middles of the two boxes tell that every triangle kept its number through the tree.
     assert made.mesh.corners[made.mesh.target == 4][..., 0].min() == pytest.approx(49.0)
-
-
-def test_the_slow_twin_meets_triangles():
-    corners = np.add(block((2.0, 2.0, 2.0)), [5.0, 0.0, 0.0])
-    rows = np.zeros(len(corners), np.int64)
-    made = arrays_of(
-        np.full((9, 9), -5.0), 10.0, x0=-40.0, y0=-40.0, solids=[((8.0, 0, 0), 1.0)],
-        mesh=build_mesh(corners, rows, rows + 1),
-    )  # fmt: skip
-    assert cast(made, (0.0, 0.1, 0.2), (1.0, 0.0, 0.0), 0.01) == (pytest.approx(4.0), 1)
-    assert cast(made, (20.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 0.01) == (pytest.approx(11.0), 0)
-    assert cast(made, (0.0, 0.1, 0.2), (0.0, 0.0, 1.0), 0.01)[1] == NOTHING
 
 
 @pytest.mark.parametrize("kind", ["sphere", "cone", "box", "mesh", "pipe"])

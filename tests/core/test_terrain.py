@@ -76,12 +76,8 @@ def test_level_bed_is_small_unless_a_map_needs_room():
 
 
 def test_relief_samples_one_period_on_any_shape():
-    seabed = scene().seabed
-    full = relief(seabed, (128, 128))
-    spectrum = np.fft.rfft2(relief(seabed, (64, 256)), norm="forward")
-    np.testing.assert_allclose(spectrum[:31, :60], np.fft.rfft2(full, norm="forward")[:31, :60], atol=1e-15)
-    ripples = Seabed(relief={"kind": "ripples"})
-    for made, shape in ((seabed, (32, 200)), (Seabed(), (3, 5)), *((ripples, s) for s in ((1, 1), (1, 7), (7, 1)))):
+    fractal, ripples = scene().seabed, Seabed(relief={"kind": "ripples"})
+    for made, shape in ((fractal, (32, 200)), (Seabed(), (3, 5)), *((ripples, s) for s in ((1, 1), (1, 7), (7, 1)))):
         heights = relief(made, shape)
         assert heights.shape == shape
         assert np.isfinite(heights).all()

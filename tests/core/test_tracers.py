@@ -15,11 +15,10 @@ from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
-from insonify.tracers import march, rays, sweep
+from insonify.tracers import base, march, rays, sweep
 from insonify.tracers.base import find_tracer, list_methods
 from insonify.tracers.labels import trace_labels
 from insonify.tracers.scatterers import ScattererTracer
-from own_things import forgetting_tracers
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
 SPECKLED = {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
@@ -67,7 +66,8 @@ def strips():
     """The tracer that the documentation shows."""
     section = re.search(r"## A tracer\n.*?(?=\n## )", EXTEND, flags=re.DOTALL).group(0)
     declaration = re.search(r"```python\n(.*?)```", section, flags=re.DOTALL).group(1)
-    with forgetting_tracers("strips"):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(base, "_DECLARED", dict(base._DECLARED))
         exec(declaration, {})
         yield find_tracer("strips")
 

@@ -10,6 +10,7 @@ import time
 
 import pytest
 
+from commands import wait_until
 from insonify import operating_system
 from insonify.errors import FileWarning
 from insonify.io import atomic
@@ -185,16 +186,6 @@ def test_a_writer_in_another_container_goes_on(tmp_path, elsewhere):
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.filterwarnings("ignore::insonify.errors.FileWarning")
-def test_two_writers_of_one_host_and_number_have_a_folder_each(tmp_path):
-    path = tmp_path / "record.nc"
-    with unfinished_folder(path) as one, unfinished_folder(path) as other:
-        assert one != other
-        assert is_leased(one)
-        assert is_leased(other)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("foreign", ["kernel", "locks"])
 def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp_path, monkeypatch, foreign):
     path = tmp_path / "record.nc"
@@ -220,10 +211,7 @@ def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
     monkeypatch.setattr(atomic, "lock_file", lambda *words, **options: None)
     with unfinished_folder(tmp_path / "record.nc") as folder:
         os.utime(folder / atomic.LEASE, (0.0, 0.0))
-        deadline = time.monotonic() + 60.0
-        while not is_leased(folder) and time.monotonic() < deadline:
-            time.sleep(0.01)
-        assert is_leased(folder)
+        wait_until(lambda: is_leased(folder))
 
 
 def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):

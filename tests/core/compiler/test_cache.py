@@ -5,17 +5,14 @@ import os
 import pickle
 import re
 import shutil
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import numba
 import platformdirs
 import pytest
 
-from commands import output_of
+from commands import output_of, run_python
 from insonify.compiler.cache import _CacheFile
 from insonify.compiler.cache_folder import CacheWarning, cache_folder, is_private
 from insonify.compiler.digests import source_digests
@@ -86,14 +83,13 @@ def test_digests_that_cannot_be_kept_or_are_damaged_are_computed_all_the_same(tm
         assert source_digests(tmp_path, tmp_path / "kept") == kept
 
 
-def use_kernel(cache: Path | None, version: str = numba.__version__, **options: Any) -> tuple[int, str]:
+def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[int, str]:
     """Call a kernel in a new process; how often its machine code was read from disk, and what was warned of."""
-    environment = os.environ | ({"NUMBA_CACHE_DIR": str(cache)} if cache else {})
-    command = [sys.executable, "-c", USE, version]
-    done = subprocess.run(command, env=environment, capture_output=True, check=True, text=True, **options)
-    value, hits = done.stdout.split()
+    code, printed, told = run_python("-c", USE, version, env=os.environ | {"NUMBA_CACHE_DIR": str(cache)})
+    assert code == 0, told
+    value, hits = printed.split()
     assert value == VALUE
-    return int(hits), done.stderr
+    return int(hits), told
 
 
 @pytest.fixture(scope="module")
@@ -233,10 +229,3 @@ def test_neither_an_index_nor_code_that_is_not_what_its_name_says_is_unpickled(c
         file.write_bytes(index if suffix == ".nbi" else pickle.dumps(poison))
     assert use_kernel(cache) == (0, "")
     assert not (cache / "trace").exists()
-
-
-@owned
-def test_a_setting_of_numba_in_the_current_folder_moves_nothing(tmp_path):
-    (tmp_path / ".numba_config.yaml").write_text("cache_dir: strange\n")
-    use_kernel(None, cwd=tmp_path)
-    assert not (tmp_path / "strange").exists()

@@ -395,7 +395,7 @@ def test_one_new_class_adds_a_distribution():
         def quantile(self, share: float) -> float:
             return math.sqrt(share)
 
-    with forgetting(DISTRIBUTIONS, "triangular"):
+    with forgetting(DISTRIBUTIONS):
         assert distribution(draw="triangular").quantile(0.25) == 0.5
 
 

@@ -6,12 +6,12 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from commands import wait_until
 from insonify.surveys.engine import done_jobs, read_flag
 from small_sets import contents, run_here, write_set
 
@@ -41,8 +41,7 @@ def driver(folder, workers=1, **options):
 
 
 def wait_for_jobs(folder, count, process):
-    while len(done_jobs(folder / "set")) < count and process.poll() is None:
-        time.sleep(0.005)
+    wait_until(lambda: len(done_jobs(folder / "set")) >= count or process.poll() is not None)
 
 
 def check_done(folder, undisturbed):
@@ -58,14 +57,12 @@ def check_done(folder, undisturbed):
         assert ".unfinished-" in name or undisturbed[name] == digest
 
 
-def ended_workers(process):
-    deadline = time.monotonic() + 120.0
-    while time.monotonic() < deadline:
-        try:
-            os.killpg(process.pid, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.05)
+def are_ended(process):
+    """Whether the command has ended, and all its workers."""
+    try:
+        os.killpg(process.pid, 0)
+    except ProcessLookupError:
+        return True
     return False
 
 
@@ -85,7 +82,7 @@ def test_a_driver_killed_at_any_time_loses_nothing(tmp_path, undisturbed, jobs, 
     wait_for_jobs(tmp_path, jobs, process)
     process.kill()
     process.communicate(timeout=120)
-    assert ended_workers(process)
+    wait_until(lambda: are_ended(process))
     check_done(tmp_path, undisturbed)
     complete(tmp_path, undisturbed)
 
@@ -117,7 +114,7 @@ def interrupt_and_check(folder, undisturbed, number):
     else:
         process.send_signal(number)
     complaint = process.communicate(timeout=120)[1]
-    assert ended_workers(process)
+    wait_until(lambda: are_ended(process))
     if number != signal.SIGKILL:
         assert process.returncode == 128 + number
         assert f"of {SCENES} jobs are finished and kept; repeat the command to resume" in complaint
