@@ -98,6 +98,7 @@ def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(v
     # A picture is displayed as in the window.
     viewer.open(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
+    look |= {"side": "starboard", "decibels": True, "ground_range": True}
     viewer.session.show(**look)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "window.png")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
