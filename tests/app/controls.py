@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QHeaderView,
     QLineEdit,
+    QMessageBox,
     QScrollBar,
     QTabBar,
     QWidget,
@@ -97,6 +98,18 @@ def drop(window: QWidget, *paths: object) -> None:
         event.ignore()
         QApplication.sendEvent(window, event)
         assert event.isAccepted()
+
+
+def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.StandardButton) -> list[str]:
+    """Answer questions in turn, all later ones as the last; the list that is returned holds the questions."""
+    asked, left = [], list(answers)
+
+    def answer(_: Any, __: str, question: str, *rest: Any) -> QMessageBox.StandardButton:
+        asked.append(question)
+        return left.pop(0) if len(left) > 1 else left[0]
+
+    monkeypatch.setattr(QMessageBox, "question", answer)
+    return asked
 
 
 def drag(view: QWidget, first: QPoint, last: QPoint) -> None:

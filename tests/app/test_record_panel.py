@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import choose, drag, picture_of, press_shortcut
+from controls import answer_questions, choose, drag, picture_of, press_shortcut
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
@@ -293,20 +293,12 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene_saved_and_opened(
     assert len(panel.contacts) == 2
 
 
-def answer_questions(monkeypatch, *answers: QMessageBox.StandardButton) -> list[str]:
-    """Answer the next questions in turn; return the list of those asked."""
-    asked, left = [], list(answers)
-    monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), left.pop(0))[1])
-    return asked
-
-
 def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtbot, monkeypatch):
     assert not viewer.window.isWindowModified()
     mark_two(viewer, panel, qtbot)
     assert viewer.window.isWindowModified()
     viewer.session.settle({"track.altitude": 8.0})
-    save = QMessageBox.StandardButton.Save
-    asked = answer_questions(monkeypatch, save, save)
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Save)
     named = [str(tmp_path / "scene.toml"), "", str(tmp_path / "found.geojson")]
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (named.pop(0), ""))
     assert not viewer.window.close(), "the dialog for the contacts is left"
