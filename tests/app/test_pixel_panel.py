@@ -189,16 +189,6 @@ def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_sh
         assert behind.visibleRegion().isEmpty()
 
 
-def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"track.pings": 512}))
-    viewer.window.resize(1560, 980)
-    waterfall = viewer.window.waterfall
-    qtbot.waitUntil(lambda: waterfall.height() > 800)
-    plot, area = waterfall.plot_area, waterfall.trace_area()
-    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
-    assert plot.height() + area.height() > 0.85 * waterfall.height()
-
-
 def test_a_small_window_stays_usable_and_its_budget_elides_nothing(viewer, qtbot, qapp):
     viewer.window.resize(880, 600)
     click(viewer, BED, qtbot)

@@ -88,6 +88,13 @@ def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_take
     qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
     assert bare, "the bed was drawn at its new place"
     assert not any(bare), "never without the record"
+    # Beds share one texture.
+    texture, before = seabed.view._bed_actor.texture, seabed.view.grab().toImage()
+    viewer.session.settle({"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
+    qtbot.waitUntil(lambda: viewer.complete)
+    seabed.view.draw_now()
+    assert seabed.view._bed_actor.texture is texture
+    qtbot.waitUntil(lambda: seabed.view.grab().toImage() != before)
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
