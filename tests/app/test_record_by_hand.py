@@ -196,18 +196,6 @@ def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live
     assert mark_of(contact) == view._marks.cross
 
 
-def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
-    first = picture_of(viewer.window.waterfall).copy()
-    viewer.tow.restart(1000)
-    viewer.run(False)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert set(viewer.record.ping) == set(range(873, 1001))
-    viewer.look_back(1000 - 127)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.window.waterfall.top == 127
-    assert (picture_of(viewer.window.waterfall) == first).all()
-
-
 def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
@@ -228,7 +216,7 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
-def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_reaches_every_ping(viewer, small, qtbot):
+def test_rows_below_ping_0_are_empty_old_pings_traced_again_and_the_scroll_bar_reaches_all(viewer, small, qtbot):
     waterfall = view = viewer.window.waterfall
     whole = waterfall.image.pixels.copy()
     viewer.go_to(60)
@@ -255,6 +243,16 @@ def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_r
     handle = view._handle
     handle.last = 127
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
+    # Looking back traces the old pings again.
+    first = picture_of(waterfall).copy()
+    viewer.tow.restart(1000)
+    viewer.run(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert set(viewer.record.ping) == set(range(873, 1001))
+    viewer.look_back(1000 - 127)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert waterfall.top == 127
+    assert (picture_of(waterfall) == first).all()
 
 
 def test_the_button_says_what_it_does_the_wheel_looks_back_and_sentences_go(viewer, window, qtbot):
