@@ -1,12 +1,14 @@
 """Controls of a window, as the person and assistive technology meet them, and scenes that have all of them."""
 
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtCore import QEvent, QMimeData, QObject, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -79,6 +81,27 @@ def assert_side_by_side(window: QWidget, *parts: QWidget) -> None:
     for one, place in enumerate(places):
         assert 0 <= place.left() <= place.right() < window.width()
         assert not any(place.intersects(other) for other in places[:one])
+
+
+@contextmanager
+def watched_events(
+    application: QApplication, kind: QEvent.Type, which: Callable[[QObject], bool] = lambda _: True
+) -> Iterator[list[QObject]]:
+    """List the objects to which events of a kind come meanwhile, once for each event, and which are so just then."""
+    objects: list[QObject] = []
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() is kind and which(watched):
+                objects.append(watched)
+            return False
+
+    watch = Watch()
+    application.installEventFilter(watch)
+    try:
+        yield objects
+    finally:
+        application.removeEventFilter(watch)
 
 
 def bring_to_front(window: MainWindow, panel: str) -> None:
