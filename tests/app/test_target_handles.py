@@ -173,9 +173,37 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dragged(open_viewer, one_box, qtbot):
+def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_the_last_scene_is_not(
+    open_viewer, small, one_box, qtbot
+):
     viewer = open_viewer(one_box)
-    record, handles = viewer.window.waterfall, viewer.targets.handles
+    record = viewer.window.waterfall
+    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
+    assert viewer.targets.handles.chosen == 0
+    assert viewer.inspection.mark is not None
+    assert viewer.session.history.undoable == ()
+    viewer.open(edit(one_box, {"targets.0.locked": True}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.targets.handles._handles == (), "locked targets stay"
+    # A handle of the last scene drags no other target.
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
+    viewer.open(edit(small, {"targets": [pipe]}))
+    qtbot.waitUntil(lambda: viewer.complete)
+    viewer.targets.handles.choose(0)
+    thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
+    viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
+    before = viewer.session.scene
+    for number in (thicken, resize):  # of the pipe: the sphere is not traced yet
+        viewer.seabed.taken.emit(number)
+        for x in (3.0, 4.0):
+            viewer.seabed.pulled.emit((x, -20.0, 0.0))
+        viewer.seabed.released.emit()
+    assert viewer.session.scene == before
+    # A click into an echo chooses its target, which is turned, resized and dragged.
+    viewer.open(one_box)
+    qtbot.waitUntil(lambda: viewer.complete)
+    handles = viewer.targets.handles
+    handles.choose(None)
     assert [handle.action for handle in handles._handles] == ["move"]
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
@@ -209,34 +237,6 @@ def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dra
     assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
     session.undo()
     assert session.scene == one_box
-
-
-def test_a_click_on_a_handle_chooses_and_pins_and_one_of_the_last_scene_drags_nothing(
-    open_viewer, small, one_box, qtbot
-):
-    viewer = open_viewer(one_box)
-    record = viewer.window.waterfall
-    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
-    assert viewer.targets.handles.chosen == 0
-    assert viewer.inspection.mark is not None
-    assert viewer.session.history.undoable == ()
-    viewer.open(edit(one_box, {"targets.0.locked": True}))
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.targets.handles._handles == (), "locked targets stay"
-    # A handle of the last scene drags no other target.
-    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
-    viewer.open(edit(small, {"targets": [pipe]}))
-    qtbot.waitUntil(lambda: viewer.complete)
-    viewer.targets.handles.choose(0)
-    thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
-    viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
-    before = viewer.session.scene
-    for number in (thicken, resize):  # of the pipe: the sphere is not traced yet
-        viewer.seabed.taken.emit(number)
-        for x in (3.0, 4.0):
-            viewer.seabed.pulled.emit((x, -20.0, 0.0))
-        viewer.seabed.released.emit()
-    assert viewer.session.scene == before
 
 
 def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
