@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.record.record_canvas import RecordCanvas
 from insonify_viewer.state.sections import sections_of
+from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
@@ -133,6 +134,12 @@ def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.Stan
 
     monkeypatch.setattr(QMessageBox, "question", answer)
     return asked
+
+
+def finish(viewer: Viewer, qtbot: Any, act: Callable[..., Any], *given: Any) -> None:
+    """Do something with a viewer, and wait until its record is complete."""
+    act(*given)
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
 def drag(view: QWidget, first: QPoint, last: QPoint) -> None:

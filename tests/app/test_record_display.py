@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from controls import colours_of, drag, picture_of, turn_wheel
+from controls import colours_of, drag, finish, picture_of, turn_wheel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
@@ -155,8 +155,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer, qtbot):
         {"side": "port", "scale": "true"},
         {"side": "starboard", "ground_range": True, "newest_on_top": False, "scale": "fill"},
     ):
-        viewer.go_to(255)
-        qtbot.waitUntil(lambda: viewer.complete)
+        finish(viewer, qtbot, viewer.go_to, 255)
         viewer.session.show(**(usual | options))
         check_places(viewer, options, pinned, marked, qtbot)
 
@@ -215,8 +214,7 @@ def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_opt
     drag(view, middle, middle + QPoint(0, 50))
     assert view.top == pytest.approx(top - pings / 2, abs=3)
     # The picture follows the options.
-    viewer.go_to(255)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 255)
     upright = picture_of(view).copy()
     viewer.session.show(side="port")
     port = picture_of(view)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import answer_questions, choose, drag, picture_of, press_shortcut
+from controls import answer_questions, choose, drag, finish, picture_of, press_shortcut
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
@@ -59,8 +59,7 @@ def test_options_follow_ticks_and_keys_and_levels_behind_a_tab_are_not_counted(v
     # Levels behind a tab are not counted.
     asked, find = [], panel._find_levels
     monkeypatch.setattr(panel, "_find_levels", lambda: asked.append(True) or find())
-    viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"track.altitude": 8.0})
     qtbot.wait(50)
     assert not asked
     viewer.window.open_panel("record")
@@ -194,8 +193,7 @@ def test_contacts_are_marked_named_found_again_classed_measured_and_sorted(viewe
     # Contacts are classed, measured and sorted.
     viewer.session.undo(20)
     assert not panel.contacts.all
-    viewer.go_to(255)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 255)
     window = viewer.window
     mark_two(viewer, panel, qtbot)
     listed.choose(0)

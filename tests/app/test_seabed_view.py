@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import pyvista as pv
-from controls import activate, drag
+from controls import activate, drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtTest import QTest
@@ -90,8 +90,7 @@ def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_take
     assert not any(bare), "never without the record"
     # Beds share one texture.
     texture, before = seabed.view._bed_actor.texture, seabed.view.grab().toImage()
-    viewer.session.settle({"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
     seabed.view.draw_now()
     assert seabed.view._bed_actor.texture is texture
     qtbot.waitUntil(lambda: seabed.view.grab().toImage() != before)
@@ -281,13 +280,11 @@ def test_the_camera_goes_to_its_places_and_follows_unless_told_otherwise(viewer,
     assert seen["From above"][2] > 0.99
     assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
     before = sight(viewer)
-    viewer.go_to(20)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 20)
     assert not np.allclose(sight(viewer), before)
     trigger(viewer, "Follow the towfish")
     before = sight(viewer)
-    viewer.go_to(40)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 40)
     assert np.allclose(sight(viewer), before)
     viewer.window.reset_view.trigger()
     assert viewer.seabed.view.follows

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from controls import drag
+from controls import drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
@@ -85,8 +85,7 @@ def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions_and_a_mesh_re
     assert viewer.session.scene.targets[0].radius > 0.6
     # A mesh is resized in three dimensions.
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
-    viewer.open(edit(small, {"targets": [mesh], "sonar.bins": 400}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
     drag_outwards(viewer, "resize")
     assert viewer.session.history.undoable[0] == "mesh 1 resized"
     assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
@@ -182,13 +181,11 @@ def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_
     assert viewer.targets.handles.chosen == 0
     assert viewer.inspection.mark is not None
     assert viewer.session.history.undoable == ()
-    viewer.open(edit(one_box, {"targets.0.locked": True}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(one_box, {"targets.0.locked": True}))
     assert viewer.targets.handles._handles == (), "locked targets stay"
     # A handle of the last scene drags no other target.
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
-    viewer.open(edit(small, {"targets": [pipe]}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [pipe]}))
     viewer.targets.handles.choose(0)
     thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
     viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
@@ -200,8 +197,7 @@ def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_
         viewer.seabed.released.emit()
     assert viewer.session.scene == before
     # A click into an echo chooses its target, which is turned, resized and dragged.
-    viewer.open(one_box)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, one_box)
     handles = viewer.targets.handles
     handles.choose(None)
     assert [handle.action for handle in handles._handles] == ["move"]
@@ -222,8 +218,7 @@ def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
     # A target is dragged.
-    viewer.open(one_box)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, one_box)
     session, before = viewer.session, viewer.session.history.undoable
     start = record.handles.place(number_of(viewer, "move"))
     near, far = start, start + QPoint(30, -25)

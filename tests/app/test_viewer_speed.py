@@ -27,8 +27,8 @@ TURNS = 20
 RATE = 60  # moves of a slider in a second
 
 
-def seconds_until(qtbot, condition: Callable[[], bool], timeout: int = 20000) -> float:
-    return seconds_of(lambda: qtbot.waitUntil(condition, timeout=timeout))
+def seconds_until(qtbot, condition: Callable[[], bool]) -> float:
+    return seconds_of(lambda: qtbot.waitUntil(condition))
 
 
 def seconds_of(act: Callable[[], object]) -> float:

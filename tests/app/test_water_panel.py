@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import activate, colours_of, drag
+from controls import activate, colours_of, drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
@@ -36,8 +36,7 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(ope
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
     viewer.window._buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
-    viewer.session.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.open, layered)
     assert viewer.panels["water"].view.isVisible()
     assert colours(viewer.panels["water"].view) > 100
     viewer.window._buttons["water"].trigger()
@@ -78,8 +77,7 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
         QTest.keyClick(view, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
     # A point is settled when the keyboard leaves it.
-    viewer.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, layered)
     undoable = viewer.session.history.undoable
     QTest.keyPress(view, Qt.Key.Key_Left)
     assert viewer.session.history.undoable == undoable
@@ -121,8 +119,7 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     assert viewer.session.scene.water.depth[1] == 0.1
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
     # A click into the water asks for the rays to it.
-    viewer.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, layered)
     shown = []
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))

@@ -4,7 +4,7 @@ from threading import Event
 
 import numpy as np
 import pytest
-from controls import choose, picture_of
+from controls import choose, finish, picture_of
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
@@ -74,8 +74,7 @@ def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(vie
     brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
     assert brightest[0] == 0
     assert brightest[1] < picture.shape[1] // 50
-    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"sonar.bins": 50, "track.pings": 40})
     assert (viewer.record.pings, viewer.record.bins) == (40, 50)
     assert waterfall.record is viewer.record
 
@@ -181,8 +180,7 @@ def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
     pick(viewer, "seabed.relief.function.kind", "file")
     assert viewer.session.scene.seabed.relief.function.path == picked
     # One ping and one bin are a record.
-    viewer.open(edit(small, {"sonar.bins": 1, "track.pings": 1}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(small, {"sonar.bins": 1, "track.pings": 1}))
     viewer.window.resize(880, 520)
     viewer.run(True)
     qtbot.wait(100)
