@@ -270,27 +270,7 @@ def sight(viewer):
     return np.array(camera.position), np.array(camera.focal_point)
 
 
-def test_the_camera_goes_to_its_places_and_follows_unless_told_otherwise(viewer, qtbot):
-    viewer.run(False)
-    seen = {}
-    for camera in CAMERAS:
-        trigger(viewer, camera)
-        position, focus = sight(viewer)
-        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
-    assert seen["From above"][2] > 0.99
-    assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
-    before = sight(viewer)
-    finish(viewer, qtbot, viewer.go_to, 20)
-    assert not np.allclose(sight(viewer), before)
-    trigger(viewer, "Follow the towfish")
-    before = sight(viewer)
-    finish(viewer, qtbot, viewer.go_to, 40)
-    assert np.allclose(sight(viewer), before)
-    viewer.window.reset_view.trigger()
-    assert viewer.seabed.view.follows
-
-
-def test_a_right_click_opens_the_menu_of_a_place_depths_have_colours_and_a_new_target_is_framed(viewer, qtbot):
+def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera_its_places(viewer, qtbot):
     widget = viewer.seabed.view._canvas.widget
     x, y = viewer.seabed.view.handles._in_view(np.array([15.0, 12.0, 0.0]))
     QTest.mouseClick(widget, Qt.MouseButton.RightButton, pos=QPoint(round(x), round(widget.height() - 1.0 - y)))
@@ -324,6 +304,24 @@ def test_a_right_click_opens_the_menu_of_a_place_depths_have_colours_and_a_new_t
     assert focus[:2] == pytest.approx(target.position[:2])
     assert np.linalg.norm(position - focus) < 0.5 * viewer.session.scene.sonar.range
     assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
+    # The camera goes to its places, and follows the towfish.
+    viewer.window.reset_view.trigger()
+    seen = {}
+    for camera in CAMERAS:
+        trigger(viewer, camera)
+        position, focus = sight(viewer)
+        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
+    assert seen["From above"][2] > 0.99
+    assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
+    before = sight(viewer)
+    finish(viewer, qtbot, viewer.go_to, 20)
+    assert not np.allclose(sight(viewer), before)
+    trigger(viewer, "Follow the towfish")
+    before = sight(viewer)
+    finish(viewer, qtbot, viewer.go_to, 40)
+    assert np.allclose(sight(viewer), before)
+    viewer.window.reset_view.trigger()
+    assert viewer.seabed.view.follows
 
 
 @pytest.fixture
