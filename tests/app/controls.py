@@ -1,12 +1,14 @@
 """Controls of a window, as the person and assistive technology meet them, and scenes that have all of them."""
 
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtCore import QEvent, QMimeData, QObject, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QAccessible, QAction, QDragEnterEvent, QDropEvent, QImage, QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import (
@@ -18,6 +20,7 @@ from PySide6.QtWidgets import (
     QComboBox,
     QHeaderView,
     QLineEdit,
+    QMessageBox,
     QScrollBar,
     QTabBar,
     QWidget,
@@ -26,6 +29,7 @@ from PySide6.QtWidgets import (
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.record.record_canvas import RecordCanvas
 from insonify_viewer.state.sections import sections_of
+from insonify_viewer.viewer import Viewer
 from insonify_viewer.window.main_window import MainWindow
 
 CONTROLS = (QAbstractSlider, QAbstractSpinBox, QLineEdit, QComboBox, QAbstractButton, QAbstractItemView)
@@ -80,6 +84,27 @@ def assert_side_by_side(window: QWidget, *parts: QWidget) -> None:
         assert not any(place.intersects(other) for other in places[:one])
 
 
+@contextmanager
+def watched_events(
+    application: QApplication, kind: QEvent.Type, which: Callable[[QObject], bool] = lambda _: True
+) -> Iterator[list[QObject]]:
+    """List the objects to which events of a kind come meanwhile, once for each event, and which are so just then."""
+    objects: list[QObject] = []
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() is kind and which(watched):
+                objects.append(watched)
+            return False
+
+    watch = Watch()
+    application.installEventFilter(watch)
+    try:
+        yield objects
+    finally:
+        application.removeEventFilter(watch)
+
+
 def bring_to_front(window: MainWindow, panel: str) -> None:
     """Show the panel of a tab at the side."""
     for bar in window.findChildren(QTabBar):
@@ -97,6 +122,24 @@ def drop(window: QWidget, *paths: object) -> None:
         event.ignore()
         QApplication.sendEvent(window, event)
         assert event.isAccepted()
+
+
+def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.StandardButton) -> list[str]:
+    """Answer questions in turn, all later ones as the last; the list that is returned holds the questions."""
+    asked, left = [], list(answers)
+
+    def answer(_: Any, __: str, question: str, *rest: Any) -> QMessageBox.StandardButton:
+        asked.append(question)
+        return left.pop(0) if len(left) > 1 else left[0]
+
+    monkeypatch.setattr(QMessageBox, "question", answer)
+    return asked
+
+
+def finish(viewer: Viewer, qtbot: Any, act: Callable[..., Any], *given: Any) -> None:
+    """Do something with a viewer, and wait until its record is complete."""
+    act(*given)
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
 def drag(view: QWidget, first: QPoint, last: QPoint) -> None:

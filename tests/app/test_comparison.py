@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import activate, bring_to_front, choose, colours_of, drag, press_shortcut
+from controls import activate, bring_to_front, choose, colours_of, drag, finish, press_shortcut
 from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtTest import QTest
@@ -127,8 +127,7 @@ def compared(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, DARK))
     press_shortcut(viewer.window, "K")
     assert viewer.comparison.kept is not None
-    viewer.session.settle(LIGHT)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, LIGHT)
     return viewer
 
 
@@ -269,13 +268,11 @@ def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linke
     assert picture.span == 12.0  # 6.02 dB, and a little less near the floor
     held = picture.pixels[:, picture.pixels.shape[1] // 4]
     assert len(set(held.tolist())) == 1, "every ping is as much louder"
-    compared.session.undo()
-    qtbot.waitUntil(lambda: compared.complete)
+    finish(compared, qtbot, compared.session.undo)
     assert window.waterfall.grab().toImage() != before
     assert overlay.difference.span == SPANS[0], "both are the same"
     # Linked records zoom, scroll and point together until the padlock parts them.
-    compared.session.settle(LIGHT)
-    qtbot.waitUntil(lambda: compared.complete)
+    finish(compared, qtbot, compared.session.settle, LIGHT)
     links = compared.comparison.links
     live, beside = window.waterfall, window.record_a
     compared.comparison.arrange(Arrangement.BESIDE)
@@ -334,8 +331,7 @@ def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_
     qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
     assert viewer.comparison.a is None
     # The panel keeps, arranges and leaves.
-    viewer.open(small)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, small)
     viewer.window.open_panel("comparison")
     panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
@@ -345,8 +341,7 @@ def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_
     for index, arrangement in enumerate(Arrangement):
         choose(panel.arrangement, index)
         assert viewer.comparison.arrangement is arrangement
-    viewer.session.settle(LIGHT)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, LIGHT)
     QTest.mouseClick(panel.back, Qt.MouseButton.LeftButton)
     assert viewer.session.scene == small
     QTest.mouseClick(panel.leave, Qt.MouseButton.LeftButton)
@@ -398,14 +393,12 @@ def test_a_follows_the_pings_of_b_a_tow_that_runs_and_another_scene(compared, sm
     qtbot.waitUntil(lambda: compared.complete)
     assert compared.window.record_a.top == compared.window.waterfall.top
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
-    compared.go_to(400)
-    qtbot.waitUntil(lambda: compared.complete)
+    finish(compared, qtbot, compared.go_to, 400)
     assert compared.window.record_a.top == compared.window.waterfall.top == 400
     np.testing.assert_array_equal(np.sort(kept.record.ping), np.sort(compared.record.ping))
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
     # Another scene with other bins stands beside it.
-    compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
-    qtbot.waitUntil(lambda: compared.complete)
+    finish(compared, qtbot, compared.open, edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
     assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
     place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
     assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)

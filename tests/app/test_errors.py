@@ -68,23 +68,27 @@ def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_and_a_fault_o
     assert "in fail" in copied(viewer)
 
 
-def test_a_fault_of_the_core_is_copied_with_its_traceback(open_viewer, small, qtbot):
-    class Broken(StandIn):
-        def intensity(self, pings):
-            if self.scene.seed == 13:
-                raise ZeroDivisionError("a fault in the core")
-            return super().intensity(pings)
+class Broken(StandIn):
+    """A stand-in for a core with a fault."""
 
+    def intensity(self, pings):
+        if self.scene.seed == 13:
+            raise ZeroDivisionError("a fault in the core")
+        return super().intensity(pings)
+
+
+def test_a_fault_in_the_core_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(
+    open_viewer, small, qtbot, tmp_path
+):
     viewer = open_viewer(small, prepare=Broken)
     viewer.session.settle({"seed": 13})
-    qtbot.waitUntil(lambda: viewer.window.status.copy.isVisible())
+    qtbot.waitUntil(viewer.window.status.copy.isVisible)
     assert "a fault in the core" in viewer.window.status.sentence.text()
     text = copied(viewer)
     assert "Traceback" in text
     assert "in intensity" in text
+    viewer.window.say("another sentence")
 
-
-def test_a_fault_in_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(viewer, qtbot, tmp_path):
     def fail():
         raise KeyError("no such thing")
 

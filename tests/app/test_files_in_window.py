@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import drop
+from controls import answer_questions, drop
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QTextDocumentFragment
 from PySide6.QtWidgets import QAbstractButton, QFileDialog, QLabel, QListWidget, QMessageBox, QWidget
@@ -59,9 +59,7 @@ def test_a_bed_is_dropped_opened_again_and_asks_about_changes(viewer, small, qtb
         viewer.session.undo()
         assert viewer.session.scene == small
     # It asks about unsaved changes.
-    asked, answer = [], {0: QMessageBox.StandardButton.Cancel}  # at first
-    discard = QMessageBox.StandardButton.Discard
-    monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), answer.pop(0, discard))[1])
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
     viewer.session.settle({"track.altitude": 7.0})
     changed = viewer.session.scene
     drop(viewer.window, bed)
@@ -295,8 +293,7 @@ def test_text_of_files_is_shown_as_it_is(open_viewer, small, tmp_path, qtbot):
 
 
 def test_a_question_shows_a_title_as_it_is(qtbot, monkeypatch):
-    asked = []
-    monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]))
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel)
     ask_about_changes(None, [f"the scene “{HOSTILE}”"])
     assert SHOWN in rich(asked[0])
     assert not OBEYED.search(asked[0])

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import accessible_name, activate
+from controls import accessible_name, activate, answer_questions
 from PIL import Image
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAccessible
@@ -98,6 +98,7 @@ def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(v
     # A picture is displayed as in the window.
     viewer.open(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
+    look |= {"side": "starboard", "decibels": True, "ground_range": True}
     viewer.session.show(**look)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "window.png")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
@@ -188,21 +189,14 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
 
 def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
     viewer = open_viewer(endless_work)
-    asked = []
-    answers = iter([QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard])
-
-    def question(_, title, *rest):
-        asked.append(title)
-        return next(answers)
-
-    monkeypatch.setattr(QMessageBox, "question", question)
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
     viewer.window.close()
     assert viewer.window.isVisible()
     assert job.running
     viewer.window.close()
-    assert asked == ["Jobs are running"] * 2
+    assert asked == ["A job is still running. Stop and close the window? What is finished stays."] * 2
     assert not viewer.window.isVisible()
     assert not job.running
     assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []

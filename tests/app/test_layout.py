@@ -149,7 +149,7 @@ def test_metres_towed_are_written_to_tenths():
     assert {given: write_towed(*given) for given in written} == written
 
 
-def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer, small):
+def test_the_record_of_the_default_scene_is_at_true_scale_and_leaves_no_empty_room_below(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     waterfall = viewer.window.waterfall
     one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
@@ -159,6 +159,11 @@ def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer, small):
     one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(300, 1, 40))
     assert waterfall.mark_at(one) == Mark(500, 1, 0)
     viewer.session.undo()
+    viewer.window.resize(1560, 980)
+    qtbot.waitUntil(lambda: waterfall.height() > 800)
+    plot, area = waterfall.plot_area, waterfall.trace_area()
+    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
+    assert plot.height() + area.height() > 0.85 * waterfall.height()
 
 
 def test_panels_at_both_sides_stay_within_the_window_and_return_to_their_places(viewer, qtbot):
@@ -176,11 +181,8 @@ def test_panels_at_both_sides_stay_within_the_window_and_return_to_their_places(
             assert not any(each.visibleRegion().isEmpty() for each in (*shown, *more))
             assert window.waterfall.width() >= 200
             assert window.seabed.isVisible()
-
-
-def test_record_and_seabed_keep_room_beside_a_lesson_and_rays(viewer, qtbot):
-    window, views = viewer.window, viewer.window._splitter
-    places = [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
+    # Record and seabed keep room beside a lesson and rays.
+    views, places = window._splitter, [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
     for width, height in ((1600, 1000), (1280, 800)):
         window.resize(width, height)
         for panel in ("lessons", "water"):

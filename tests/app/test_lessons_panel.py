@@ -334,7 +334,9 @@ def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_bac
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
+def test_a_lecture_is_full_screen_in_large_type_and_its_record_keeps_more_than_half_of_it(
+    open_viewer, small, qtbot, qapp
+):
     viewer, panel = opened(open_viewer, small, qtbot, started=True)
     window, page = viewer.window, panel.view.page
 
@@ -354,21 +356,15 @@ def test_a_lecture_is_full_screen_in_large_type(open_viewer, small, qtbot):
     page.lecture.click()
     assert not window.isFullScreen()
     assert sizes() == pytest.approx(before)
-
-
-@pytest.mark.usefixtures("lessons")
-@pytest.mark.parametrize("size", SIZES)
-def test_above_a_lesson_the_record_keeps_more_than_half_of_the_screen_of_a_lecture(
-    size, open_viewer, small, qtbot, qapp
-):
-    usual = qapp.font()
-    enlarge_text(qapp, size)
+    # Above the lesson the record keeps more than half of the screen, whatever the size of the text.
+    usual, record = qapp.font(), window.waterfall
     try:
-        viewer, _ = opened(open_viewer, small, qtbot, started=True)
-        window, record = viewer.window, viewer.window.waterfall
-        window.lecture.action.trigger()
-        qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
-        window.lecture.action.trigger()
+        for size in SIZES:
+            enlarge_text(qapp, size)
+            window.lecture.action.trigger()
+            qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
+            window.lecture.action.trigger()
+            qtbot.waitUntil(lambda: not window.isFullScreen())
     finally:
         qapp.setFont(usual)
 

@@ -1,11 +1,9 @@
 """Both themes can be read, change while the window is open, and are kept."""
 
-from collections import Counter
-
 import numpy as np
 import pytest
-from controls import choose, colours_of
-from PySide6.QtCore import QEvent, QObject, QPoint, QSettings, Qt
+from controls import choose, colours_of, watched_events
+from PySide6.QtCore import QEvent, QPoint, QSettings, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QWidget
 
@@ -75,19 +73,6 @@ def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
         apply_theme(qapp)
 
 
-class _StyleChanges(QObject):
-    """Counts how often each widget is told of a change of style."""
-
-    def __init__(self):
-        super().__init__()
-        self.times: Counter[int] = Counter()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        if event.type() is QEvent.Type.StyleChange:
-            self.times[id(watched)] += 1
-        return False
-
-
 def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot, qapp):
     apply_theme(qapp, Theme.DARK)
     widgets = [QWidget()]
@@ -95,14 +80,10 @@ def test_a_change_of_theme_styles_each_widget_twice_at_most(qtbot, qapp):
     for _ in range(9):
         widgets.append(QWidget(widgets[-1]))
     widgets[0].show()
-    changes = _StyleChanges()
-    qapp.installEventFilter(changes)
-    try:
+    with watched_events(qapp, QEvent.Type.StyleChange) as changed:
         apply_theme(qapp, Theme.LIGHT)
-    finally:
-        qapp.removeEventFilter(changes)
-        apply_theme(qapp)
-    assert all(1 <= changes.times[id(widget)] <= 2 for widget in widgets), "not once for each of its ancestors"
+    apply_theme(qapp)
+    assert all(1 <= changed.count(widget) <= 2 for widget in widgets), "not once for each of its ancestors"
 
 
 def test_an_icon_is_drawn_once_in_a_colour(qapp, monkeypatch):

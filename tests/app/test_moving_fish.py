@@ -109,7 +109,7 @@ def _looks(view) -> float:
     return math.atan2(ahead[1], ahead[0])
 
 
-def test_the_camera_is_reset_and_kept_within_its_limits_whatever_moves_it(viewer, qtbot):
+def test_the_camera_is_reset_and_kept_within_its_limits_and_a_slider_moves_the_fish_once_a_drawing(viewer, qtbot):
     view = viewer.seabed.view
     camera = view._canvas.plotter.camera
     home, focus = np.array(camera.position), np.array(camera.focal_point)
@@ -146,6 +146,27 @@ def test_the_camera_is_reset_and_kept_within_its_limits_whatever_moves_it(viewer
     # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
     textures = [actor.GetTexture() for actor in view._canvas.plotter.actors.values() if hasattr(actor, "GetTexture")]
     assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
+    # A slider moves the fish once for each drawing.
+    places = []
+    show = view.show_sonar
+    view.show_sonar = lambda arrays, pose, heading: (places.append(float(pose.z[0])), show(arrays, pose, heading))
+    view.draw_now()
+    for altitude in (8.0, 9.0, 11.0):
+        viewer.session.drag({"track.altitude": altitude})
+        qtbot.waitUntil(lambda: not viewer._missing().size)
+    places.clear()
+    # A slow machine may have traced finely meanwhile, which moves it at once.
+    for _ in range(2):
+        viewer._take(replace(viewer._answer, fine=False))
+    assert not places
+    view.draw_now()
+    assert len(places) == 1
+    assert places[0] == pytest.approx(11.0, abs=0.1)
+    view.draw_now()
+    assert len(places) == 1
+    viewer.session.settle()
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert len(places) > 1, "the record that is settled moves it at once"
 
 
 def test_a_view_that_is_turned_draws_a_lighter_bed_and_the_wheel_zooms_about_the_mouse_within_the_limits(viewer, qtbot):
@@ -193,26 +214,3 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_and_the_wheel_zooms_about_the
 
 def _drawn_beds(view) -> tuple[bool, bool]:
     return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
-
-
-def test_a_slider_moves_the_fish_once_for_each_drawing(viewer, qtbot):
-    view, places = viewer.seabed.view, []
-    show = view.show_sonar
-    view.show_sonar = lambda arrays, pose, heading: (places.append(float(pose.z[0])), show(arrays, pose, heading))
-    view.draw_now()
-    for altitude in (8.0, 9.0, 11.0):
-        viewer.session.drag({"track.altitude": altitude})
-        qtbot.waitUntil(lambda: not viewer._missing().size)
-    places.clear()
-    # A slow machine may have traced finely meanwhile, which moves it at once.
-    for _ in range(2):
-        viewer._take(replace(viewer._answer, fine=False))
-    assert not places
-    view.draw_now()
-    assert len(places) == 1
-    assert places[0] == pytest.approx(11.0, abs=0.1)
-    view.draw_now()
-    assert len(places) == 1
-    viewer.session.settle()
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert len(places) > 1, "the record that is settled moves it at once"

@@ -126,21 +126,6 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
-def test_the_number_and_the_marks_follow_a_slider_that_is_held(viewer, small, qtbot):
-    view = viewer.panels["parameters"].view
-    row = view.row("track.altitude")
-    row.slider.setSliderDown(True)
-    row.slider.setValue(row.slider.value() + 150)
-    moved = viewer.session.scene.track.altitude
-    assert moved != small.track.altitude
-    qtbot.waitUntil(lambda: row.field.text() == f"{moved:.4g} m")
-    depth = next(box.rows["track.depth"] for box in view._boxes("track.depth")) if view._boxes("track.depth") else None
-    assert depth is None or depth.field.text() == f"{small.seabed.depth - moved:.4g} m"
-    row.slider.setSliderDown(False)
-    row.slider.sliderReleased.emit()
-    assert row.field.text() == f"{moved:.4g} m"
-
-
 def test_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot):
     peaked = edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
     viewer = open_viewer(peaked)

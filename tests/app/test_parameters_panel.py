@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from controls import watched_events
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
@@ -49,7 +50,7 @@ def test_three_to_six_controls_are_pinned(name):
     assert len(set(labels)) == len(labels)
 
 
-def test_pinned_rows_stand_on_top_and_rare_fields_are_folded(viewer, qtbot):
+def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(viewer, qtbot):
     view = panel(viewer).view
     row = view.row("track.altitude")
     assert row is view._sections["controls"].rows["track.altitude"]
@@ -75,6 +76,48 @@ def test_pinned_rows_stand_on_top_and_rare_fields_are_folded(viewer, qtbot):
     view._sections["track"].more.setChecked(False)
     view.light(("track.start.0",))
     assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
+    # A target is duplicated and locked.
+    session = viewer.session
+
+    def press(key, name):
+        button = view._sections[key].findChild(QToolButton, name)
+        view.ensureWidgetVisible(button)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+    press("targets.1", "copy")
+    copy = session.scene.targets[3]
+    assert (copy.kind, copy.radius) == ("sphere", 0.5)
+    assert copy.position == (66.0, -18.0)
+    assert session.history.undoable[0] == "sphere 2 duplicated"
+    press("targets.3", "lock")
+    assert session.scene.targets[3].locked
+    assert not view.row("targets.3.radius").slider.isEnabled()
+    press("targets.3", "copy")
+    assert not session.scene.targets[4].locked
+    press("targets.3", "lock")
+    assert view.row("targets.3.radius").slider.isEnabled()
+    shortcut = view.findChild(QShortcut)
+    assert shortcut.key().toString() == "Ctrl+F"
+    shortcut.activated.emit()  # without a window manager no key comes here
+    assert viewer.window.focusWidget() is view.search
+    QTest.keyClicks(view.search, "beam wid")
+    found = view._found
+    assert [next(iter(found.rows)), found.rows["sonar.beam.width"].label.text()] == ["sonar.beam.width", "beam width"]
+    assert not view._sections["sonar"].isVisible()
+    assert not view.effects.isVisible()
+    field = found.rows["sonar.beam.width"].field
+    QTest.mouseDClick(field, Qt.MouseButton.LeftButton)
+    QTest.keyClicks(field, "3")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    assert viewer.session.scene.sonar.beam.width == 3.0
+    view.search.setFocus()
+    QTest.keyClicks(view.search, " zzz")
+    assert view._found.rows == {}
+    QTest.keyClick(viewer.window.waterfall, Qt.Key.Key_Escape)
+    assert view.search.text().endswith(" zzz"), "Escape elsewhere is not meant for the search"
+    view.search.findChild(QShortcut).activated.emit()  # Escape
+    assert view._found is None
+    assert view._sections["sonar"].isVisible()
 
 
 def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_it_was(
@@ -290,50 +333,6 @@ def test_undo_says_what_it_undoes_and_values_are_reset_by_their_names_and_sectio
     assert session.scene.sonar.beam.kind == "gaussian", "one step"
 
 
-def test_a_target_is_duplicated_and_locked_and_a_parameter_found_by_words(viewer, qtbot):
-    view, session = panel(viewer).view, viewer.session
-
-    def press(key, name):
-        button = view._sections[key].findChild(QToolButton, name)
-        view.ensureWidgetVisible(button)
-        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
-
-    press("targets.1", "copy")
-    copy = session.scene.targets[3]
-    assert (copy.kind, copy.radius) == ("sphere", 0.5)
-    assert copy.position == (66.0, -18.0)
-    assert session.history.undoable[0] == "sphere 2 duplicated"
-    press("targets.3", "lock")
-    assert session.scene.targets[3].locked
-    assert not view.row("targets.3.radius").slider.isEnabled()
-    press("targets.3", "copy")
-    assert not session.scene.targets[4].locked
-    press("targets.3", "lock")
-    assert view.row("targets.3.radius").slider.isEnabled()
-    shortcut = view.findChild(QShortcut)
-    assert shortcut.key().toString() == "Ctrl+F"
-    shortcut.activated.emit()  # without a window manager no key comes here
-    assert viewer.window.focusWidget() is view.search
-    QTest.keyClicks(view.search, "beam wid")
-    found = view._found
-    assert [next(iter(found.rows)), found.rows["sonar.beam.width"].label.text()] == ["sonar.beam.width", "beam width"]
-    assert not view._sections["sonar"].isVisible()
-    assert not view.effects.isVisible()
-    field = found.rows["sonar.beam.width"].field
-    QTest.mouseDClick(field, Qt.MouseButton.LeftButton)
-    QTest.keyClicks(field, "3")
-    QTest.keyClick(field, Qt.Key.Key_Return)
-    assert viewer.session.scene.sonar.beam.width == 3.0
-    view.search.setFocus()
-    QTest.keyClicks(view.search, " zzz")
-    assert view._found.rows == {}
-    QTest.keyClick(viewer.window.waterfall, Qt.Key.Key_Escape)
-    assert view.search.text().endswith(" zzz"), "Escape elsewhere is not meant for the search"
-    view.search.findChild(QShortcut).activated.emit()  # Escape
-    assert view._found is None
-    assert view._sections["sonar"].isVisible()
-
-
 def test_fields_and_edits_have_names():
     scene = load_scene("default")
     names = {
@@ -366,22 +365,15 @@ def test_fields_and_edits_have_names():
 
 
 def test_nothing_is_shown_as_a_window_of_its_own(open_viewer, small, qapp):
-    shown = []
+    def has_no_parent(watched):
+        return isinstance(watched, QWidget) and watched.parent() is None
 
-    class Watch(QObject):
-        def eventFilter(self, watched, event):
-            if event.type() is QEvent.Type.Show and isinstance(watched, QWidget) and watched.parent() is None:
-                shown.append(type(watched).__name__)
-            return False
-
-    watch = Watch()
-    qapp.installEventFilter(watch)
-    viewer = open_viewer(small)
-    viewer.session.settle({"sonar.beam.kind": "array"})
-    panel(viewer).view.search.setText("beam")
-    viewer.session.settle({"sonar.beam.kind": "knife"})
-    qapp.removeEventFilter(watch)
-    assert set(shown) <= {"MainWindow"}
+    with watched_events(qapp, QEvent.Type.Show, has_no_parent) as shown:
+        viewer = open_viewer(small)
+        viewer.session.settle({"sonar.beam.kind": "array"})
+        panel(viewer).view.search.setText("beam")
+        viewer.session.settle({"sonar.beam.kind": "knife"})
+    assert set(shown) == {viewer.window}
 
 
 def test_rows_are_built_section_by_section(qtbot, monkeypatch):
@@ -399,16 +391,11 @@ def test_rows_are_built_section_by_section(qtbot, monkeypatch):
     assert not any(path.startswith(("targets", "water", "receiver")) for path in built), "what is folded waits for that"
     boxes["targets.0"].unfold(True)
     qtbot.waitUntil(view.row("targets.0.position.0").field.isVisible)
-
-
-def test_rows_built_later_are_marked_and_lit(qtbot):
-    view = ParametersView()
-    qtbot.addWidget(view)
-    view.show_sections(sections_of(load_scene("wreck")))
+    # Rows that are built later are marked and lit.
     view.show_changed({"water.sound_speed": "1450 m/s"})
     view._lit = ("water.sound_speed",)
     view._light_rows()
-    box = next(box for box in view._sections.values() if box.holds("water.sound_speed"))
+    box = next(box for box in boxes.values() if box.holds("water.sound_speed"))
     assert not box._built
     label = box.rows["water.sound_speed"].label
     assert label.property("changed")

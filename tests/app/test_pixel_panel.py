@@ -58,10 +58,33 @@ def decibels(text: str) -> float:
     return float(text.removesuffix(" dB").replace("−", "-"))
 
 
-def test_a_click_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(viewer, qtbot):
+def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(viewer, qtbot):
     view = viewer.panels["pixel"].view
     assert not view.isVisible()
     assert "Click a pixel" in view.sentence.text()
+    # A drag over the record and a click on the trace pin nothing.
+    waterfall = viewer.window.waterfall
+    place = waterfall.place_of(BED)
+    QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseRelease(waterfall, Qt.MouseButton.LeftButton, pos=place + QPoint(20, 0))
+    assert viewer.inspection.mark is None
+    # The echo trace is aligned with the record, which has its room without it.
+    area = waterfall.trace_area()
+    assert (area.left(), area.width()) == (waterfall.plot_area.left(), waterfall.plot_area.width())
+    row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
+    loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
+    assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
+    assert waterfall.trace_area() is not None
+    before = waterfall.plot_area.height()
+    viewer.window.trace.trigger()
+    assert waterfall.trace_area() is None
+    assert waterfall.plot_area.height() >= before
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
+    assert waterfall.plot_area.height() == before
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
+    assert waterfall.trace_area() is None
+    assert viewer.inspection.mark is None, "a click on the caption pins nothing"
+    # A click pins a pixel whose terms add up.
     click(viewer, BED, qtbot)
     mark = viewer.inspection.mark
     assert abs(mark.bin - BED.bin) <= 3
@@ -130,30 +153,6 @@ def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(view
     assert viewer.inspection.mark is None
 
 
-def test_a_drag_over_the_record_and_a_click_on_the_trace_pin_nothing(viewer):
-    waterfall = viewer.window.waterfall
-    place = waterfall.place_of(BED)
-    QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=place)
-    QTest.mouseRelease(waterfall, Qt.MouseButton.LeftButton, pos=place + QPoint(20, 0))
-    assert viewer.inspection.mark is None
-    # The echo trace is aligned with the record, which has its room without it.
-    area = waterfall.trace_area()
-    assert (area.left(), area.width()) == (waterfall.plot_area.left(), waterfall.plot_area.width())
-    row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
-    loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
-    assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
-    assert waterfall.trace_area() is not None
-    before = waterfall.plot_area.height()
-    viewer.window.trace.trigger()
-    assert waterfall.trace_area() is None
-    assert waterfall.plot_area.height() >= before
-    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
-    assert waterfall.plot_area.height() == before
-    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
-    assert waterfall.trace_area() is None
-    assert viewer.inspection.mark is None, "a click on the caption pins nothing"
-
-
 def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
     """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
     renderer = viewer.seabed.view._canvas.plotter.renderer
@@ -187,16 +186,6 @@ def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_sh
         qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
         assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
         assert behind.visibleRegion().isEmpty()
-
-
-def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"track.pings": 512}))
-    viewer.window.resize(1560, 980)
-    waterfall = viewer.window.waterfall
-    qtbot.waitUntil(lambda: waterfall.height() > 800)
-    plot, area = waterfall.plot_area, waterfall.trace_area()
-    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
-    assert plot.height() + area.height() > 0.85 * waterfall.height()
 
 
 def test_a_small_window_stays_usable_and_its_budget_elides_nothing(viewer, qtbot, qapp):

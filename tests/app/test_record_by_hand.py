@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import activate, move_mouse, picture_of
+from controls import activate, finish, move_mouse, picture_of
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -159,8 +159,7 @@ def test_a_pixel_at_the_cursor_that_tab_shows_is_pinned_marked_and_measured_from
 def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live_one(viewer, qtbot):
     window, view, overlay = viewer.window, viewer.window.waterfall, viewer.window.overlay
     press(viewer, Key.Key_K)
-    viewer.session.settle({"seabed.material.diffuse": 0.4})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"seabed.material.diffuse": 0.4})
     viewer.comparison.arrange(Arrangement.WIPED)
     split, plot = overlay.split, view.plot_area
     press(viewer, Key.Key_Right, Modifier.AltModifier)
@@ -196,18 +195,6 @@ def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live
     assert mark_of(contact) == view._marks.cross
 
 
-def test_looking_back_traces_the_old_pings_again(viewer, qtbot):
-    first = picture_of(viewer.window.waterfall).copy()
-    viewer.tow.restart(1000)
-    viewer.run(False)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert set(viewer.record.ping) == set(range(873, 1001))
-    viewer.look_back(1000 - 127)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.window.waterfall.top == 127
-    assert (picture_of(viewer.window.waterfall) == first).all()
-
-
 def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
@@ -228,11 +215,10 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
-def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_reaches_every_ping(viewer, small, qtbot):
+def test_rows_below_ping_0_are_empty_old_pings_traced_again_and_the_scroll_bar_reaches_all(viewer, small, qtbot):
     waterfall = view = viewer.window.waterfall
     whole = waterfall.image.pixels.copy()
-    viewer.go_to(60)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 60)
     shown = waterfall.record.rows(np.arange(61))
     assert (waterfall.image.pixels[shown] == whole[shown]).all()
     hidden = waterfall.record.rows(np.arange(61, 128))
@@ -240,8 +226,7 @@ def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_r
     viewer.session.show(gain=3.0)
     assert (waterfall.image.pixels[hidden] == EMPTY).all()
     viewer.session.show(gain=0.0)
-    viewer.go_to(127)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 127)
     assert (waterfall.image.pixels == whole).all()
     # The scroll bar shows every ping.
     known = np.flatnonzero(np.isfinite(view.overview._columns[:, 0]))
@@ -255,6 +240,16 @@ def test_below_the_first_ping_the_record_is_empty_and_the_scroll_bar_shows_and_r
     handle = view._handle
     handle.last = 127
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
+    # Looking back traces the old pings again.
+    first = picture_of(waterfall).copy()
+    viewer.tow.restart(1000)
+    viewer.run(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert set(viewer.record.ping) == set(range(873, 1001))
+    viewer.look_back(1000 - 127)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert waterfall.top == 127
+    assert (picture_of(waterfall) == first).all()
 
 
 def test_the_button_says_what_it_does_the_wheel_looks_back_and_sentences_go(viewer, window, qtbot):
@@ -307,8 +302,7 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
         qtbot.waitUntil(lambda told=told: told[0] in readout.text())
         assert all(part in readout.text() for part in told)
         assert not any(part in readout.text() for part in untold)
-    viewer.session.settle({"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]})
     waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
     qtbot.waitUntil(lambda: "school 1" in readout.text())
 

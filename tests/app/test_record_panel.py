@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import choose, drag, picture_of, press_shortcut
+from controls import answer_questions, choose, drag, finish, picture_of, press_shortcut
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
@@ -59,15 +59,14 @@ def test_options_follow_ticks_and_keys_and_levels_behind_a_tab_are_not_counted(v
     # Levels behind a tab are not counted.
     asked, find = [], panel._find_levels
     monkeypatch.setattr(panel, "_find_levels", lambda: asked.append(True) or find())
-    viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.settle, {"track.altitude": 8.0})
     qtbot.wait(50)
     assert not asked
     viewer.window.open_panel("record")
     qtbot.waitUntil(lambda: bool(asked))
 
 
-def test_display_options_are_undone_by_name(viewer, panel):
+def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
     window, session = viewer.window, viewer.session
     keep_display(viewer)
     assert not session.history.undoable, "what is kept from the last start is no step"
@@ -94,12 +93,10 @@ def test_display_options_are_undone_by_name(viewer, panel):
     assert session.display == DisplayOptions(palette="viridis", ground_range=True, gain=4.5)
     assert session.scene is traced
     assert not window.isWindowModified(), "the display is no part of the scene"
-
-
-def test_contrast_found_from_the_record_is_a_step_of_its_own_and_gains_are_typed(viewer, panel):
+    # Contrast that is found from the record is a step of its own.
     viewer.window.gain.setValue(60)
     viewer.find_levels()
-    assert viewer.session.history.undoable == ("contrast of the record", "gain")
+    assert session.history.undoable[:2] == ("contrast of the record", "gain")
     viewer.window.undo.trigger()
     assert viewer.window.gain.value() == 60
     # Gains of each side are typed.
@@ -196,8 +193,7 @@ def test_contacts_are_marked_named_found_again_classed_measured_and_sorted(viewe
     # Contacts are classed, measured and sorted.
     viewer.session.undo(20)
     assert not panel.contacts.all
-    viewer.go_to(255)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.go_to, 255)
     window = viewer.window
     mark_two(viewer, panel, qtbot)
     listed.choose(0)
@@ -293,20 +289,12 @@ def test_contacts_are_undone_by_name_in_turn_with_the_scene_saved_and_opened(
     assert len(panel.contacts) == 2
 
 
-def answer_questions(monkeypatch, *answers: QMessageBox.StandardButton) -> list[str]:
-    """Answer the next questions in turn; return the list of those asked."""
-    asked, left = [], list(answers)
-    monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), left.pop(0))[1])
-    return asked
-
-
 def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtbot, monkeypatch):
     assert not viewer.window.isWindowModified()
     mark_two(viewer, panel, qtbot)
     assert viewer.window.isWindowModified()
     viewer.session.settle({"track.altitude": 8.0})
-    save = QMessageBox.StandardButton.Save
-    asked = answer_questions(monkeypatch, save, save)
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Save)
     named = [str(tmp_path / "scene.toml"), "", str(tmp_path / "found.geojson")]
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (named.pop(0), ""))
     assert not viewer.window.close(), "the dialog for the contacts is left"

@@ -125,8 +125,18 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navig
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
-def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer, folder, qtbot):
+def test_it_plays_and_pauses_with_the_tow_whatever_targets_leave_and_begins_anew_at_its_end(viewer, folder, qtbot):
+    viewer.tow.speed = 16.0
     viewer.run(True)
+    qtbot.waitUntil(lambda: not viewer.tow.running)
+    stopped = viewer.tow.newest
+    assert "before the targets scroll out" in viewer.window.status.sentence.text()
+    viewer.tow.restart(255)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.run(True)
+    qtbot.waitUntil(lambda: viewer.tow.newest > stopped + 50)
+    assert viewer.tow.running
+    # It is opened paused, and plays.
     open_recording(viewer, folder / "record.xtf", qtbot)
     assert not viewer.tow.running, "a recording is opened paused"
     assert viewer.recordings.top == PINGS - 1
@@ -333,16 +343,3 @@ def test_learning_that_is_stopped_or_has_too_little_bed_leaves_nothing(viewer, f
     assert "pings" in viewer.window.status.sentence.text()
     assert viewer.session.scene is scene
     assert not (tmp_path / "learned.toml").exists()
-
-
-def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(viewer, folder, qtbot):
-    viewer.tow.speed = 16.0
-    viewer.run(True)
-    qtbot.waitUntil(lambda: not viewer.tow.running)
-    stopped = viewer.tow.newest
-    assert "before the targets scroll out" in viewer.window.status.sentence.text()
-    viewer.tow.restart(255)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.run(True)
-    qtbot.waitUntil(lambda: viewer.tow.newest > stopped + 50)
-    assert viewer.tow.running

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import pyvista as pv
-from controls import activate, drag
+from controls import activate, drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction, QGuiApplication
 from PySide6.QtTest import QTest
@@ -88,6 +88,12 @@ def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_take
     qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
     assert bare, "the bed was drawn at its new place"
     assert not any(bare), "never without the record"
+    # Beds share one texture.
+    texture, before = seabed.view._bed_actor.texture, seabed.view.grab().toImage()
+    finish(viewer, qtbot, viewer.session.settle, {"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
+    seabed.view.draw_now()
+    assert seabed.view._bed_actor.texture is texture
+    qtbot.waitUntil(lambda: seabed.view.grab().toImage() != before)
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -264,29 +270,7 @@ def sight(viewer):
     return np.array(camera.position), np.array(camera.focal_point)
 
 
-def test_the_camera_goes_to_its_places_and_follows_unless_told_otherwise(viewer, qtbot):
-    viewer.run(False)
-    seen = {}
-    for camera in CAMERAS:
-        trigger(viewer, camera)
-        position, focus = sight(viewer)
-        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
-    assert seen["From above"][2] > 0.99
-    assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
-    before = sight(viewer)
-    viewer.go_to(20)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert not np.allclose(sight(viewer), before)
-    trigger(viewer, "Follow the towfish")
-    before = sight(viewer)
-    viewer.go_to(40)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert np.allclose(sight(viewer), before)
-    viewer.window.reset_view.trigger()
-    assert viewer.seabed.view.follows
-
-
-def test_a_right_click_opens_the_menu_of_a_place_depths_have_colours_and_a_new_target_is_framed(viewer, qtbot):
+def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera_its_places(viewer, qtbot):
     widget = viewer.seabed.view._canvas.widget
     x, y = viewer.seabed.view.handles._in_view(np.array([15.0, 12.0, 0.0]))
     QTest.mouseClick(widget, Qt.MouseButton.RightButton, pos=QPoint(round(x), round(widget.height() - 1.0 - y)))
@@ -320,6 +304,24 @@ def test_a_right_click_opens_the_menu_of_a_place_depths_have_colours_and_a_new_t
     assert focus[:2] == pytest.approx(target.position[:2])
     assert np.linalg.norm(position - focus) < 0.5 * viewer.session.scene.sonar.range
     assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
+    # The camera goes to its places, and follows the towfish.
+    viewer.window.reset_view.trigger()
+    seen = {}
+    for camera in CAMERAS:
+        trigger(viewer, camera)
+        position, focus = sight(viewer)
+        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
+    assert seen["From above"][2] > 0.99
+    assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
+    before = sight(viewer)
+    finish(viewer, qtbot, viewer.go_to, 20)
+    assert not np.allclose(sight(viewer), before)
+    trigger(viewer, "Follow the towfish")
+    before = sight(viewer)
+    finish(viewer, qtbot, viewer.go_to, 40)
+    assert np.allclose(sight(viewer), before)
+    viewer.window.reset_view.trigger()
+    assert viewer.seabed.view.follows
 
 
 @pytest.fixture

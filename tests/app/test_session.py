@@ -155,12 +155,13 @@ def test_sliders_end_where_the_scene_does(default):
 
 
 def test_drag_starts_from_what_is_settled(session, default):
-    changes = []
+    changes, sentences = [], heard(session)
     session.changed.connect(lambda scene, settled: changes.append((scene.sonar.ping_rate, settled)))
     for reach in (60.0, 100.0, 70.0):
         session.drag({"sonar.range": reach})
     session.settle()
     assert changes == [(10.0, False), (7.5, False), (10.0, False), (10.0, True)]
+    assert "ping rate lowered to 7.5 Hz" in sentences[1]
     session.undo()
     assert session.scene == default
     assert not session.history.undoable

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from controls import drag
+from controls import drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
@@ -85,8 +85,7 @@ def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions_and_a_mesh_re
     assert viewer.session.scene.targets[0].radius > 0.6
     # A mesh is resized in three dimensions.
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
-    viewer.open(edit(small, {"targets": [mesh], "sonar.bins": 400}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
     drag_outwards(viewer, "resize")
     assert viewer.session.history.undoable[0] == "mesh 1 resized"
     assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
@@ -173,9 +172,34 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dragged(open_viewer, one_box, qtbot):
+def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_the_last_scene_is_not(
+    open_viewer, small, one_box, qtbot
+):
     viewer = open_viewer(one_box)
-    record, handles = viewer.window.waterfall, viewer.targets.handles
+    record = viewer.window.waterfall
+    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
+    assert viewer.targets.handles.chosen == 0
+    assert viewer.inspection.mark is not None
+    assert viewer.session.history.undoable == ()
+    finish(viewer, qtbot, viewer.open, edit(one_box, {"targets.0.locked": True}))
+    assert viewer.targets.handles._handles == (), "locked targets stay"
+    # A handle of the last scene drags no other target.
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
+    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [pipe]}))
+    viewer.targets.handles.choose(0)
+    thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
+    viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
+    before = viewer.session.scene
+    for number in (thicken, resize):  # of the pipe: the sphere is not traced yet
+        viewer.seabed.taken.emit(number)
+        for x in (3.0, 4.0):
+            viewer.seabed.pulled.emit((x, -20.0, 0.0))
+        viewer.seabed.released.emit()
+    assert viewer.session.scene == before
+    # A click into an echo chooses its target, which is turned, resized and dragged.
+    finish(viewer, qtbot, viewer.open, one_box)
+    handles = viewer.targets.handles
+    handles.choose(None)
     assert [handle.action for handle in handles._handles] == ["move"]
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
@@ -194,8 +218,7 @@ def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dra
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
     # A target is dragged.
-    viewer.open(one_box)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, one_box)
     session, before = viewer.session, viewer.session.history.undoable
     start = record.handles.place(number_of(viewer, "move"))
     near, far = start, start + QPoint(30, -25)
@@ -209,34 +232,6 @@ def test_a_click_into_an_echo_chooses_its_target_which_is_turned_resized_and_dra
     assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
     session.undo()
     assert session.scene == one_box
-
-
-def test_a_click_on_a_handle_chooses_and_pins_and_one_of_the_last_scene_drags_nothing(
-    open_viewer, small, one_box, qtbot
-):
-    viewer = open_viewer(one_box)
-    record = viewer.window.waterfall
-    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
-    assert viewer.targets.handles.chosen == 0
-    assert viewer.inspection.mark is not None
-    assert viewer.session.history.undoable == ()
-    viewer.open(edit(one_box, {"targets.0.locked": True}))
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.targets.handles._handles == (), "locked targets stay"
-    # A handle of the last scene drags no other target.
-    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
-    viewer.open(edit(small, {"targets": [pipe]}))
-    qtbot.waitUntil(lambda: viewer.complete)
-    viewer.targets.handles.choose(0)
-    thicken, resize = number_of(viewer, "thicken"), number_of(viewer, "resize")
-    viewer.session.open(edit(small, {"targets": [{"kind": "sphere", "position": [12.0, -20.0]}]}))
-    before = viewer.session.scene
-    for number in (thicken, resize):  # of the pipe: the sphere is not traced yet
-        viewer.seabed.taken.emit(number)
-        for x in (3.0, 4.0):
-            viewer.seabed.pulled.emit((x, -20.0, 0.0))
-        viewer.seabed.released.emit()
-    assert viewer.session.scene == before
 
 
 def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):

@@ -19,6 +19,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
+from soak.watch import Gaps
 
 pytestmark = [pytest.mark.bench, pytest.mark.usefixtures("drawn_seabed")]
 MOVES = 12
@@ -26,8 +27,8 @@ TURNS = 20
 RATE = 60  # moves of a slider in a second
 
 
-def seconds_until(qtbot, condition: Callable[[], bool], timeout: int = 20000) -> float:
-    return seconds_of(lambda: qtbot.waitUntil(condition, timeout=timeout))
+def seconds_until(qtbot, condition: Callable[[], bool]) -> float:
+    return seconds_of(lambda: qtbot.waitUntil(condition))
 
 
 def seconds_of(act: Callable[[], object]) -> float:
@@ -44,56 +45,14 @@ def _threads_take_turns_as_in_the_program():
     sys.setswitchinterval(before)
 
 
-class Gaps:
-    """Time between turns of the main loop, without what OpenGL took of it; the processor time does not tell of waits.
-
-    Attributes
-    ----------
-    gaps, busy : list of float
-        Seconds of each turn, and seconds of processor time of the main thread.
-    """
-
-    def __init__(self, viewer):
-        self.gaps: list[float] = []
-        self.busy: list[float] = []
-        self._last = self._drawing = _clocks()
-        self._drawn = np.zeros(2)
-        canvas = viewer.seabed.view._canvas.plotter
-        canvas.renderer.AddObserver("StartEvent", self._start)
-        canvas.renderer.AddObserver("EndEvent", self._end)
-        canvas.aboutToCompose.connect(self._start)
-        canvas.frameSwapped.connect(self._end)
-        self._timer = QTimer(interval=1)
-        self._timer.timeout.connect(self._turn)
-        self._timer.start()
-
-    def stop(self):
-        self._timer.stop()
-
-    def sentence(self) -> str:
-        """Say how long the main thread was away; to be called once the gaps have stopped."""
-        wall, busy = 1e3 * np.array(self.gaps[5:]), 1e3 * np.array(self.busy[5:])
-        return (
-            f"main thread outside GL: p99 {np.quantile(wall, 0.99):.1f} ms, worst {wall.max():.1f} ms of {len(wall)}; "
-            f"processor p99 {np.quantile(busy, 0.99):.1f} ms, worst {busy.max():.1f} ms"
-        )
-
-    def _start(self, *_):
-        self._drawing = _clocks()
-
-    def _end(self, *_):
-        self._drawn += _clocks() - self._drawing
-
-    def _turn(self):
-        now = _clocks()
-        wall, busy = np.maximum(now - self._last - self._drawn, 0.0)
-        self.gaps.append(float(wall))
-        self.busy.append(float(busy))
-        self._last, self._drawn = now, np.zeros(2)
-
-
-def _clocks() -> np.ndarray:
-    return np.array([time.perf_counter(), time.thread_time()])
+def watch_gaps(viewer: Viewer) -> Gaps:
+    """Gaps of the main thread, without what OpenGL takes of them."""
+    gaps, canvas = Gaps(tick=1), viewer.seabed.view._canvas.plotter
+    canvas.renderer.AddObserver("StartEvent", gaps.begin_drawing)
+    canvas.renderer.AddObserver("EndEvent", gaps.end_drawing)
+    canvas.aboutToCompose.connect(gaps.begin_drawing)
+    canvas.frameSwapped.connect(gaps.end_drawing)
+    return gaps
 
 
 @pytest.fixture
@@ -201,15 +160,15 @@ def test_slider_at_60_hz(open_large, qtbot, name, path):
         row.slider.setValue(int(position))
         moved[viewer._number] = begun
 
-    timer, gaps = QTimer(interval=1000 // RATE), Gaps(viewer)
+    timer, gaps = QTimer(interval=1000 // RATE), watch_gaps(viewer)
     timer.timeout.connect(move)
     row.slider.setSliderDown(True)
     timer.start()
     qtbot.waitUntil(lambda: not timer.isActive())
-    gaps.stop()
+    gaps.close()
     row.slider.setSliderDown(False)
     fine = seconds_until(qtbot, lambda: not viewer._missing().size)
-    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.sentence()}; fine after {fine:.3f} s")
+    print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.in_words()}; fine after {fine:.3f} s")
     if delays:
         after, best, of_it = (1e3 * float(each) for each in (np.median(delays), min(delays), np.median(traced)))
         print(f"pictures {after:.0f} ms after their move (median; best {best:.0f}), of which {of_it:.0f} ms traced")
@@ -221,13 +180,13 @@ def test_live_tow(open_large, qtbot):
     viewer.tow.restart(1000)  # past the targets, before which it would pause
     viewer.run(True)
     qtbot.wait(500)
-    gaps, before = Gaps(viewer), viewer.tow.newest
+    gaps, before = watch_gaps(viewer), viewer.tow.newest
     qtbot.wait(3000)
-    gaps.stop()
+    gaps.close()
     viewer.run(False)
     rate, drawing = (viewer.tow.newest - before) / 3.0, 1e3 * viewer.seabed.view.draw_time
     print(f"\n{rate:.0f} pings a second; 3-D drawing {drawing:.0f} ms")
-    print(gaps.sentence())
+    print(gaps.in_words())
 
 
 def test_a_view_that_is_turned(open_large, qtbot):
@@ -250,16 +209,16 @@ def test_a_target_that_is_dragged(open_large, qtbot):
     viewer = open_large(load_scene("default"))
     record, handles = viewer.window.waterfall, viewer.targets.handles._handles
     number = next(k for k, handle in enumerate(handles) if handle.target == 1)
-    place, gaps, coarse = record.handles.place(number), Gaps(viewer), []
+    place, gaps, coarse = record.handles.place(number), watch_gaps(viewer), []
     QTest.mousePress(record, Qt.MouseButton.LeftButton, pos=place)
     for _ in range(2 * MOVES):
         place += QPoint(3, -2)
         QTest.mouseMove(record, place)
         coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
     QTest.mouseRelease(record, Qt.MouseButton.LeftButton, pos=place)
-    gaps.stop()
+    gaps.close()
     print(f"\ntarget dragged in the record: coarse picture in {1e3 * np.median(coarse):.0f} ms (median)")
-    print(gaps.sentence())
+    print(gaps.in_words())
 
 
 def test_panel_that_follows_a_slider(open_viewer):
@@ -295,11 +254,11 @@ def test_a_and_b_change_places(open_large, qtbot, pings):
         print(f"{arrangement.value}: a frame in {1e3 * np.median(frames):.1f} ms (median), {1e3 * max(frames):.1f} ms")
     for arrangement in (Arrangement.ALONE, Arrangement.DIFFERENCE):
         viewer.comparison.arrange(arrangement)
-        row, gaps = viewer.panels["parameters"].view.row("sonar.beam.width"), Gaps(viewer)
+        row, gaps = viewer.panels["parameters"].view.row("sonar.beam.width"), watch_gaps(viewer)
         row.slider.setSliderDown(True)
         for position in np.linspace(300, 600, MOVES).astype(int):
             row.slider.setValue(int(position))
             seconds_until(qtbot, lambda: not viewer._missing().size)
-        gaps.stop()
+        gaps.close()
         row.slider.setSliderDown(False)
-        print(f"slider with {arrangement.value}: {gaps.sentence()}")
+        print(f"slider with {arrangement.value}: {gaps.in_words()}")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import activate, colours_of, drag
+from controls import activate, colours_of, drag, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
@@ -36,8 +36,7 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(ope
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
     viewer.window._buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
-    viewer.session.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.session.open, layered)
     assert viewer.panels["water"].view.isVisible()
     assert colours(viewer.panels["water"].view) > 100
     viewer.window._buttons["water"].trigger()
@@ -52,41 +51,7 @@ def handle(view) -> QPoint:
     return view.scales().of_speed(speed, depth).toPoint()
 
 
-def test_a_point_of_the_profile_is_dragged_the_drag_undone_and_a_click_asks_for_rays(open_viewer, layered, qtbot):
-    viewer = open_viewer(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
-    view = viewer.panels["water"].view
-    start = handle(view)
-    drag(view, start, start + QPoint(-20, 10))
-    water = viewer.session.scene.water
-    assert water.sound_speed[1] < 1517.0
-    assert water.depth[1] > 10.3
-    assert water.depth[0::2] == (0.0, 20.0)
-    qtbot.waitUntil(lambda: viewer.complete)
-    viewer.session.undo()
-    assert viewer.session.scene == layered
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert (handle(view) - start).manhattanLength() <= 1
-    view.point_dragged.emit(1, 29.0, 1800.0)
-    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
-    assert viewer.session.scene.water.sound_speed[1] == 1700.0
-    view.point_dragged.emit(1, -5.0, 1000.0)
-    assert viewer.session.scene.water.depth[1] == 0.1
-    assert viewer.session.scene.water.sound_speed[1] == 1300.0
-    # A click into the water asks for the rays to it.
-    viewer.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
-    shown = []
-    view_shown = view.show_diagram
-    view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
-    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.scales().at(30.0, 25.0).toPoint())
-    qtbot.waitUntil(lambda: bool(shown))
-    assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
-    assert len(shown[0].eigenrays) == 1
-    assert viewer.session.scene == layered
-
-
-def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it_and_ask_for_rays(open_viewer, layered, qtbot):
+def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, layered, qtbot):
     viewer = open_viewer(layered)
     panel, view = viewer.panels["water"], viewer.panels["water"].view
     activate(viewer.window, qtbot)
@@ -112,8 +77,7 @@ def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it_and_ask_fo
         QTest.keyClick(view, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
     # A point is settled when the keyboard leaves it.
-    viewer.open(layered)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, layered)
     undoable = viewer.session.history.undoable
     QTest.keyPress(view, Qt.Key.Key_Left)
     assert viewer.session.history.undoable == undoable
@@ -136,6 +100,34 @@ def test_keys_choose_a_point_and_move_it_until_the_keyboard_leaves_it_and_ask_fo
     assert view._diagram.target == pytest.approx(panel._target)
     QTest.keyClick(view, Qt.Key.Key_Tab)
     assert QApplication.focusWidget() is not view, "the cross is the last stop"
+    # A point is dragged, and the drag undone.
+    start = handle(view)
+    drag(view, start, start + QPoint(-20, 10))
+    water = viewer.session.scene.water
+    assert water.sound_speed[1] < 1517.0
+    assert water.depth[1] > 10.3
+    assert water.depth[0::2] == (0.0, 20.0)
+    qtbot.waitUntil(lambda: viewer.complete)
+    viewer.session.undo()
+    assert viewer.session.scene == layered
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (handle(view) - start).manhattanLength() <= 1
+    view.point_dragged.emit(1, 29.0, 1800.0)
+    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
+    assert viewer.session.scene.water.sound_speed[1] == 1700.0
+    view.point_dragged.emit(1, -5.0, 1000.0)
+    assert viewer.session.scene.water.depth[1] == 0.1
+    assert viewer.session.scene.water.sound_speed[1] == 1300.0
+    # A click into the water asks for the rays to it.
+    finish(viewer, qtbot, viewer.open, layered)
+    shown = []
+    view_shown = view.show_diagram
+    view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
+    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.scales().at(30.0, 25.0).toPoint())
+    qtbot.waitUntil(lambda: bool(shown))
+    assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
+    assert len(shown[0].eigenrays) == 1
+    assert viewer.session.scene == layered
 
 
 def test_a_cast_is_asked_for_and_columns_of_water_have_no_sliders(

@@ -143,24 +143,17 @@ def real() -> tuple[list[Image.Image], np.ndarray]:
     return [Image.open(path).convert("L") for path, _ in paths], np.array([number for _, number in paths])
 
 
-def auc(score: np.ndarray, positive: np.ndarray) -> float:
-    """Area under the curve of true over false alarms: the chance that a positive scores above a negative."""
-    order = np.argsort(np.argsort(score)) + 1.0
-    count = int(positive.sum())
-    return float((order[positive].sum() - count * (count + 1) / 2) / max(count * (len(score) - count), 1))
-
-
 def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
     """Columns of the table, from the chances of the three classes."""
+    metrics = pytest.importorskip("sklearn.metrics")
     decided, objects = chance.argmax(axis=1), classes > 0
-    hits = [float((decided[classes == number] == number).mean()) for number in range(3)]
     is_plane = chance[objects, 2] / (chance[objects, 1:].sum(axis=1) + 1e-12)
     return {
-        "AUC object": auc(1.0 - chance[:, 0], objects),
+        "AUC object": metrics.roc_auc_score(objects, 1.0 - chance[:, 0]),
         "accuracy, object": float(((decided > 0) == objects).mean()),
         "3 classes": float((decided == classes).mean()),
-        "balanced": float(np.mean(hits)),
-        "AUC aircraft against ships": auc(is_plane, classes[objects] == 2),
+        "balanced": metrics.balanced_accuracy_score(classes, decided),
+        "AUC aircraft against ships": metrics.roc_auc_score(classes[objects] == 2, is_plane),
     }
 
 

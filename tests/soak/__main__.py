@@ -103,35 +103,30 @@ def soak(seconds: float, seed: int) -> int:
         # Settings and states of windows are the person's own elsewhere.
         QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, folder)
         os.environ["XDG_STATE_HOME"] = folder
-        return _soak_in(folder, seconds, seed)
-
-
-def _soak_in(folder: str, seconds: float, seed: int) -> int:
-    """Use the window; its files lie in a folder."""
-    application: Any = make_application()
-    faults, gaps = Faults(), Gaps()
-    with main_thread_collection(), compiled_elsewhere():
-        Answers(np.random.default_rng([seed, 1]), Path(folder))
-        viewer = Viewer(load_scene("default"), accelerated=has_opengl())
-        viewer.window.show()
-        QTimer.singleShot(0, viewer.start)
-        person = Person(viewer, seconds, seed, faults, gaps)
-        application.exec()
-        say(
-            f"seed {seed}: {person.actions} actions, {gaps.in_words()}; grown by {person.growth:.0f} MB, "
-            f"closed in {person.closing:.2f} s"
-        )
-        if person.growth > GROWTH:
-            faults.add(f"the window has grown by more than {GROWTH:g} MB")
-        gaps.close()
-    for stack in left_threads(PATIENCE):
-        faults.add(f"a thread is left: {stack}")
-    faults.close()
-    for cause, _ in sorted(gaps.causes.items(), reverse=True)[:25]:
-        say(f"  {cause}")
-    for told, count in faults.found.items():
-        say(f"{count} × {told.splitlines()[0]}")
-    return len(faults.found)
+        application: Any = make_application()
+        faults, gaps = Faults(), Gaps()
+        with main_thread_collection(), compiled_elsewhere():
+            Answers(np.random.default_rng([seed, 1]), Path(folder))
+            viewer = Viewer(load_scene("default"), accelerated=has_opengl())
+            viewer.window.show()
+            QTimer.singleShot(0, viewer.start)
+            person = Person(viewer, seconds, seed, faults, gaps)
+            application.exec()
+            say(
+                f"seed {seed}: {person.actions} actions, {gaps.in_words()}; grown by {person.growth:.0f} MB, "
+                f"closed in {person.closing:.2f} s"
+            )
+            if person.growth > GROWTH:
+                faults.add(f"the window has grown by more than {GROWTH:g} MB")
+            gaps.close()
+        for stack in left_threads(PATIENCE):
+            faults.add(f"a thread is left: {stack}")
+        faults.close()
+        for cause, _ in sorted(gaps.causes.items(), reverse=True)[:25]:
+            say(f"  {cause}")
+        for told, count in faults.found.items():
+            say(f"{count} × {told.splitlines()[0]}")
+        return len(faults.found)
 
 
 if __name__ == "__main__":

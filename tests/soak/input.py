@@ -1,5 +1,6 @@
 """Mouse and wheel, and choices at random, for the actions."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
@@ -7,7 +8,7 @@ from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication, QComboBox, QWidget
 
 from insonify_viewer.viewer import Viewer
-from soak.actions import Random
+from soak.actions import Random, Steps
 
 LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
@@ -35,6 +36,16 @@ def mouse(widget: QWidget, kind: QEvent.Type, x: float, y: float, button: Qt.Mou
     held = NONE if kind is QEvent.Type.MouseButtonRelease else button
     everywhere = QPointF(widget.mapToGlobal(place.toPoint()))
     QApplication.sendEvent(widget, QMouseEvent(kind, place, everywhere, pressed, held, Qt.KeyboardModifier.NoModifier))
+
+
+def drag(widget: QWidget, places: Iterable[Any]) -> Steps:
+    """Press the left button at the first place, move over the others in steps, and release it at the last."""
+    places = list(places)
+    mouse(widget, QEvent.Type.MouseButtonPress, *places[0], LEFT)
+    for place in places[1:]:
+        mouse(widget, QEvent.Type.MouseMove, *place, LEFT)
+        yield 30.0
+    mouse(widget, QEvent.Type.MouseButtonRelease, *places[-1], LEFT)
 
 
 def wheel(widget: QWidget, angle: int) -> None:

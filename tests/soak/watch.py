@@ -1,7 +1,6 @@
 """What goes wrong in a window, and what it takes: faults, gaps of the main thread, memory."""
 
 import faulthandler
-import os
 import re
 import sys
 import tempfile
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
+import psutil
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, QTimer, qInstallMessageHandler
 from PySide6.QtGui import QOpenGLContext
@@ -86,7 +86,7 @@ class Faults:
 class Gaps(QObject):
     """Time between turns of the main loop without the 3-D drawing, and where the long ones come from."""
 
-    def __init__(self) -> None:
+    def __init__(self, tick: int = TICK) -> None:
         super().__init__()
         # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
         self.gaps, self.busy = array("d"), array("d")
@@ -94,20 +94,31 @@ class Gaps(QObject):
         self._last, self._ending = _now(), threading.Event()
         self._begun, self._drawn = self._last, np.zeros(3)
         self._seen = ""
-        timer = QTimer(self)
-        timer.setTimerType(Qt.TimerType.PreciseTimer)
-        timer.timeout.connect(self._turn)
-        timer.start(TICK)
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self._turn)
+        self._timer.start(tick)
         self._sampler = threading.Thread(target=self._sample, name="sampler", daemon=True)
         self._sampler.start()
 
     def leave_out_drawing(self, renderer: Any, faults: Faults) -> None:
         """Do not count the time between the start and the end of a drawing, unless it freezes the window."""
-        renderer.AddObserver("StartEvent", lambda *_: setattr(self, "_begun", _now()))
+        renderer.AddObserver("StartEvent", self.begin_drawing)
         renderer.AddObserver("EndEvent", lambda *_: self._drew(faults))
 
+    def begin_drawing(self, *_: Any) -> None:
+        """Leave out what follows, up to the end of the drawing."""
+        self._begun = _now()
+
+    def end_drawing(self, *_: Any) -> NDArray[np.float64]:
+        """Return the seconds of the drawing, which are left out: by the clock, of processor time and waiting for it."""
+        drawn = _now() - self._begun
+        self._drawn += drawn
+        return drawn
+
     def close(self) -> None:
-        """End the sampling thread."""
+        """End the gaps and the sampling thread."""
+        self._timer.stop()
         self._ending.set()
         self._sampler.join()
 
@@ -117,8 +128,7 @@ class Gaps(QObject):
         return f"gaps {_spread(found)}; of processor time {_spread(busy)}"
 
     def _drew(self, faults: Faults) -> None:
-        drawn = _now() - self._begun
-        self._drawn += drawn
+        drawn = self.end_drawing()
         if drawn[0] - drawn[2] > FROZEN:
             faults.add("a drawing of {:.0f} s, {:.0f} of processor time, {:.0f} waiting for it".format(*drawn))
 
@@ -186,8 +196,7 @@ def say(line: str) -> None:
 
 def resident() -> float:
     """Resident memory of this process, in megabytes."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+    return psutil.Process().memory_info().rss / 1e6
 
 
 def holdings() -> str:

@@ -1,12 +1,13 @@
 """Actions on the record: display options, measuring, contacts, recordings beside it, targets and effects."""
 
+import numpy as np
 from PySide6.QtCore import QEvent
 
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS
 from soak.actions import Random, Steps, action
-from soak.input import LEFT, NONE, choose_entry, mouse, pick, wheel
+from soak.input import NONE, choose_entry, drag, mouse, pick, wheel
 
 
 @action(2.0)
@@ -34,12 +35,7 @@ def measure_distance(viewer: Viewer, random: Random) -> Steps:
     """Measure by a drag over the record."""
     view, record = viewer.panels["record"].view, viewer.window.waterfall
     view.measure.click()
-    places = random.random((6, 2)) * [record.width(), record.height()]
-    mouse(record, QEvent.Type.MouseButtonPress, *places[0], LEFT)
-    for place in places:
-        mouse(record, QEvent.Type.MouseMove, *place, LEFT)
-        yield 30.0
-    mouse(record, QEvent.Type.MouseButtonRelease, *places[-1], LEFT)
+    yield from drag(record, random.random((6, 2)) * [record.width(), record.height()])
     if view.measure.isChecked():
         view.measure.click()
     yield 30.0
@@ -90,15 +86,10 @@ def drag_handle(viewer: Viewer, random: Random) -> Steps:
     handle = pick(list(record.handles._shown), random)
     if handle is None:
         return
-    place = record.handles.place(handle[0])
-    x, y = float(place.x()), float(place.y())
-    mouse(record, QEvent.Type.MouseMove, x, y, NONE)
-    mouse(record, QEvent.Type.MouseButtonPress, x, y, LEFT)
-    for across, along in random.normal(0.0, 6.0, (random.integers(1, 20), 2)):
-        x, y = x + across, y + along
-        mouse(record, QEvent.Type.MouseMove, x, y, LEFT)
-        yield 30.0
-    mouse(record, QEvent.Type.MouseButtonRelease, x, y, LEFT)
+    place = record.handles.place(handle[0]).toTuple()
+    mouse(record, QEvent.Type.MouseMove, *place, NONE)
+    moves = random.normal(0.0, 6.0, (random.integers(1, 20), 2))
+    yield from drag(record, [place, *(place + np.cumsum(moves, axis=0))])
     yield 100.0
 
 

@@ -13,33 +13,41 @@ from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.field_rows import STEPS, ChoiceRow, NumberRow
 from insonify_viewer.window.target_placement import target_menu
 from soak.actions import Random, Steps, action
-from soak.input import LEFT, NONE, choose_entry, mouse, pick, rows, wheel
+from soak.input import LEFT, NONE, choose_entry, drag, mouse, pick, rows, wheel
+
+SCENES = [str(path) for path in bundled_scenes().values()]
 
 
-@action(3.0)
-def open_bundled(viewer: Viewer, random: Random) -> Steps:
-    paths = list(bundled_scenes().values())
-    viewer.window.scenes.wanted.emit(str(paths[random.integers(len(paths))]))
-    yield float(random.choice([20.0, 500.0, 3000.0]))
-
-
-def give(weight: float, name: str, commands: Callable[[Any], list[Any]], most: int, waits: list[float]) -> None:
-    """Register an action: any of some commands of the window, up to so many at once, with a wait after each."""
+def give(weight: float, name: str, step: Callable[[Any, Random], Any], waits: list[float], most: int = 1) -> None:
+    """Register an action: a step in the window, up to so many at once, with a wait after each."""
 
     def do(viewer: Viewer, random: Random) -> Steps:
         for _ in range(random.integers(1, most + 1)):
-            pick(commands(viewer.window), random).trigger()
+            step(viewer.window, random)
             yield float(random.choice(waits))
 
     do.__name__ = name
     action(weight)(do)
 
 
-give(2.0, "open_file", lambda window: [window.open_scene, window.open_dem], 1, [300.0])
-give(3.0, "undo_and_redo", lambda window: [window.undo, window.undo, window.redo], 7, [5.0, 100.0])
-give(3.0, "pause_or_play", lambda window: [window.pause], 1, [50.0, 2000.0])
-give(0.7, "open_rays", lambda window: [window._buttons["water"]], 1, [100.0, 2000.0])
-give(0.7, "save", lambda window: [window.save.scene, window.save.record, window.save.picture], 1, [200.0])
+give(3.0, "open_bundled", lambda window, random: window.scenes.wanted.emit(pick(SCENES, random)), [20.0, 500.0, 3000.0])
+give(2.0, "open_file", lambda window, random: pick([window.open_scene, window.open_dem], random).trigger(), [300.0])
+give(
+    3.0, "undo_and_redo", lambda window, random: pick([window.undo, window.undo, window.redo], random).trigger(),
+    [5.0, 100.0], most=7,
+)  # fmt: skip
+give(3.0, "pause_or_play", lambda window, _: window.pause.trigger(), [50.0, 2000.0])
+give(0.7, "open_rays", lambda window, _: window._buttons["water"].trigger(), [100.0, 2000.0])
+give(
+    0.7, "save",
+    lambda window, random: pick([window.save.scene, window.save.record, window.save.picture], random).trigger(),
+    [200.0],
+)  # fmt: skip
+give(2.0, "add_target", lambda window, random: window.target_wanted.emit(pick(list(target_menu()), random)), [300.0])
+give(1.0, "change_speed", lambda window, random: choose_entry(window.speed, random), [200.0])
+give(1.0, "change_palette", lambda window, random: choose_entry(window.palettes, random), [30.0])
+give(0.5, "resize", lambda window, random: window.resize(*random.integers((760, 420), (1500, 950)).tolist()), [200.0])
+give(3.0, "rest", lambda *_: None, [10.0, 500.0, 2500.0])
 
 
 @action(8.0)
@@ -87,12 +95,6 @@ def fold(viewer: Viewer, random: Random) -> Steps:
         yield 30.0
 
 
-@action(2.0)
-def add_target(viewer: Viewer, random: Random) -> Steps:
-    viewer.window.target_wanted.emit(pick(list(target_menu()), random))
-    yield 300.0
-
-
 @action(1.0)
 def remove_target(viewer: Viewer, random: Random) -> Steps:
     view = viewer.panels["parameters"].view
@@ -118,18 +120,6 @@ def edit_back_and_forth(viewer: Viewer, random: Random) -> Steps:
 
 
 @action(1.0)
-def change_speed(viewer: Viewer, random: Random) -> Steps:
-    choose_entry(viewer.window.speed, random)
-    yield 200.0
-
-
-@action(1.0)
-def change_palette(viewer: Viewer, random: Random) -> Steps:
-    choose_entry(viewer.window.palettes, random)
-    yield 30.0
-
-
-@action(1.0)
 def change_gain(viewer: Viewer, random: Random) -> Steps:
     for value in random.integers(-300, 300, 8):
         viewer.window.gain.setValue(int(value))
@@ -148,12 +138,8 @@ def hover(viewer: Viewer, random: Random) -> Steps:
 @action(2.0)
 def scrub(viewer: Viewer, random: Random) -> Steps:
     record = viewer.window.waterfall
-    place = record._handle.place_of(record.top)
-    mouse(record, QEvent.Type.MouseButtonPress, place.x(), place.y(), LEFT)
-    for y in random.random(random.integers(2, 15)):
-        mouse(record, QEvent.Type.MouseMove, place.x(), y * record.height(), LEFT)
-        yield 30.0
-    mouse(record, QEvent.Type.MouseButtonRelease, place.x(), place.y(), LEFT)
+    x, y = record._handle.place_of(record.top).toTuple()
+    yield from drag(record, [(x, y), *((x, part * record.height()) for part in random.random(random.integers(2, 15)))])
 
 
 @action(2.0)
@@ -187,13 +173,9 @@ def turn_view(viewer: Viewer, random: Random) -> Steps:
     view = viewer.seabed.view
     if view is None:
         return
-    canvas, place = view._canvas.widget, np.array([view.width(), view.height()]) / 2.0
-    mouse(canvas, QEvent.Type.MouseButtonPress, *place, LEFT)
-    for move in random.normal(0.0, 12.0, (random.integers(2, 25), 2)):
-        place = place + move
-        mouse(canvas, QEvent.Type.MouseMove, *place, LEFT)
-        yield 30.0
-    mouse(canvas, QEvent.Type.MouseButtonRelease, *place, LEFT)
+    canvas, middle = view._canvas.widget, np.array([view.width(), view.height()]) / 2.0
+    moves = random.normal(0.0, 12.0, (random.integers(2, 25), 2))
+    yield from drag(canvas, [middle, *(middle + np.cumsum(moves, axis=0))])
     for _ in range(random.integers(0, 6)):
         wheel(canvas, int(random.choice([-120, 120])))
         yield 30.0
@@ -232,14 +214,3 @@ def measure_chart(viewer: Viewer, random: Random) -> Steps:
     chart.stop.click()
     yield 100.0
     chart.close()
-
-
-@action(0.5)
-def resize(viewer: Viewer, random: Random) -> Steps:
-    viewer.window.resize(int(random.integers(760, 1500)), int(random.integers(420, 950)))
-    yield 200.0
-
-
-@action(3.0)
-def rest(viewer: Viewer, random: Random) -> Steps:
-    yield float(random.choice([10.0, 500.0, 2500.0]))
