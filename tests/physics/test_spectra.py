@@ -140,29 +140,6 @@ def test_a_seabed_of_another_spacing_differs_by_one_factor():
     np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-10)
 
 
-OPTIONS = [
-    {"beta": 1.5},
-    {"peaks": ((4.0, 8.0),)},
-    {"peaks": ((8.0, 4.0), (3.0, -5.0))},
-    {"quadrants": 4},
-    {"combine": "max"},
-    {"clamp": "soft"},
-    {"coefficients": "gaussian"},
-    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "separable"},
-    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "rotated"},
-    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "elliptic"},
-]
-
-
-def test_every_option_makes_another_field():
-    base = {"beta": 1.4, "peaks": ((8.0, 4.0),)}
-    fields = [unmasked_heights(Fractal(**(base | option)), SMALL, SMALL, 1) for option in [{}, *OPTIONS]]
-    fields.append(unmasked_heights(Fractal(**base), SMALL, SMALL, 2))
-    for i, one in enumerate(fields):
-        for other in fields[:i]:
-            assert np.abs(one - other).max() > 1e-3 * 0.05
-
-
 def test_four_quadrants_mirror_every_peak():
     power = power_spectrum(Fractal(peaks=((8.0, 4.0),), quadrants=4), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
     assert power[0] == pytest.approx(power[1], rel=1e-12)
