@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of, rough
+import naive
+from beds import arrays_of, bed_of, poses_of, rough
 from exact_rays import order
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
@@ -26,12 +27,8 @@ def both(name, changes, pings, *, planes=1, count=1 << 18):
 
 def finer(heights, times):
     """The same bilinear bed on a grid so many times finer."""
-    heights = heights.astype(np.float32).astype(float)
-    size = heights.shape[0]
-    place = np.arange(size * times) / times
-    low, share = place.astype(int), place % 1.0
-    rows = heights[:, low] * (1.0 - share) + heights[:, (low + 1) % size] * share
-    return rows[low] * (1.0 - share)[:, None] + rows[(low + 1) % size] * share[:, None]
+    place = np.arange(heights.shape[0] * times) / times
+    return naive.heights(bed_of(heights, periodic=True), *np.meshgrid(place, place))
 
 
 @pytest.mark.parametrize(
