@@ -8,7 +8,6 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
-from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.cascade import Cascade
 from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.roughness import PowerLaw, VonKarman
@@ -331,8 +330,3 @@ def test_mistakes_are_told_in_one_sentence(made, message):
     with pytest.raises(SceneError, match=message) as caught:
         relief(build({"seabed": {"spacing": 0.1, "relief": made}}).seabed)
     assert "\n" not in str(caught.value)
-
-
-def test_a_seabed_says_what_is_made():
-    assert Seabed().random_reliefs == ()
-    assert not Seabed().endless

@@ -17,7 +17,7 @@ from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import LabelledPings
 from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate, simulate_blocks
+from insonify.simulation import simulate, simulate_blocks
 from insonify.tracers import rays, sweep
 from insonify.tracers.labels import PATHS, describe_contributors, empty_labels, trace_labels, turn_into_degrees
 from water import water_about
@@ -172,12 +172,6 @@ def test_light_has_no_target_strength():
     found = simulate(scene_of(ball, **{"sonar.law": "light"}), truth=True)
     assert np.isnan(found.target_strength.item())
     assert (found.echo_box.sel(channel="port") >= 0).all()
-
-
-def test_pings_do_not_depend_on_how_many_are_labelled(targets):
-    simulation = prepare(targets)
-    whole = simulation.truth(np.arange(20))
-    np.testing.assert_array_equal(whole.target_echo[7:9], simulation.truth(np.arange(7, 9)).target_echo)
 
 
 DEGREE = math.radians(1.0)
