@@ -187,12 +187,3 @@ def test_scenes_in_thermoclines(water):
 def test_a_mesh_in_a_thermocline():
     found = bent_errors("wreck", WATERS["about the sonar"], [100, 150, 250])
     assert max(error.beyond for error in found) < 0.015
-
-
-def test_shadow_edges_in_a_thermocline_lie_within_a_bin():
-    level = KNIFE | WATERS["above the bed"] | {"seabed.relief": "flat"}
-    _, _, swept, right = both("targets", level, np.arange(40, 340, 30), count=100_000)
-    dark, black = swept == 0.0, right == 0.0
-    for shadow in (dark & ~black, black & ~dark):
-        # No two neighbouring bins are dark in one and lit in the other.
-        assert not (shadow[..., 1:] & shadow[..., :-1]).any()
