@@ -194,7 +194,7 @@ def test_mirrors_return_what_geometrical_acoustics_has(target, width, area, boun
 def test_a_mesh_returns_as_the_solid_that_it_stands_for(tmp_path):
     """A Lambert sphere of facets: 2/3 k a², and by its solid as well."""
     path, radius = tmp_path / "ball.obj", 0.5
-    vertices, facets = icosphere(5, radius)
+    vertices, facets = icosphere(4, radius)
     corners = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in vertices]
     faces = [f"f {a} {b} {c}" for a, b, c in facets + 1]
     path.write_text("\n".join([*corners, *faces]), encoding="utf-8")
