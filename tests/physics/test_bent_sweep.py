@@ -221,6 +221,15 @@ def test_truth_tells_true_ground_ranges_and_incidences(name):
     np.testing.assert_allclose(truth.incidence[0, 0, 120:], expected, atol=0.1)
 
 
+def test_truth_tells_where_targets_are():
+    ball = ((0, 30, 0.9), 0.8)
+    arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, solids=[ball]), "thermocline")
+    truth = trace_labels(arrays, poses_of(0.0, 0.0, SONAR))
+    hit = truth.target_id[0, 0] == 0
+    assert 5 < hit.sum() < 15
+    assert ((truth.ground_range[0, 0, hit] > 29.2) & (truth.ground_range[0, 0, hit] < 30.4)).all()
+
+
 def test_a_heaving_ping_is_a_function_of_itself():
     arrays = wet(arrays_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1), "thermocline")
     heights = SONAR + 0.9 * np.sin(np.arange(40))
