@@ -17,12 +17,7 @@ def speed_and_gradient(water: Water, z: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Speed of sound at heights, which is linear between the nodes and level beyond them, and how it grows upwards."""
     speeds, heights = water.speed[0], water.height
     slopes = np.concatenate([[0.0], np.diff(speeds) / np.diff(heights), [0.0]])
-    at_zero = speeds[[0, *range(speeds.size)]] - slopes * heights[[0, *range(speeds.size)]]
-    layer = np.zeros(z.shape, np.intp)
-    for height in heights:
-        layer += z >= height
-    g = slopes[layer]
-    return at_zero[layer] + g * z, g
+    return np.interp(z, heights, speeds), slopes[np.searchsorted(heights, z, side="right")]
 
 
 def onward(water: Water, state: Sequence[np.ndarray], ds: ArrayLike) -> list[np.ndarray]:

@@ -7,6 +7,8 @@ import numpy as np
 from insonify.acoustics.rays import follow_paths
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.types import Water
+from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
+from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.arcs import advance_in_layers, launch_in_layers
 from insonify.kernels.refraction.eigenrays import find_direct_ray, follow_to_range
 from insonify.kernels.refraction.ray_paths import RayLimits
@@ -65,3 +67,12 @@ def followed(water, depth, degrees, ranges, bottom=math.inf, surface=NO_CEILING,
     ranges = np.asarray(ranges, float)
     limits = RayLimits(float(ranges[-1]), -float(bottom), surface, False, mirrored)
     return follow_paths(water, -float(depth), -np.radians(np.atleast_1d(degrees).astype(float)), ranges, limits)
+
+
+def land(arrays, start, directions, reach=1000.0):
+    """First hits of a scene by rays along arcs in directions (n, 3) from one place or many, and how they arrive."""
+    columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
+    bundle = RayBundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
+    hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
+    find_refracted_hits(arrays, bundle, reach, 0.0, hits, arrivals)
+    return hits, arrivals

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, pipe_edges, poses_of, rough_arrays
-from exact_rays import order, reference
+from exact_rays import order
 from insonify.accuracy.timing import time_calls
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.statistics.record_errors import (
@@ -75,15 +75,6 @@ def test_rays_converge_in_their_order(half_width, expected):
     counts = np.array([1 << k for k in range(10, 15)])
     errors = [compare_records(arrays, poses, rays.trace(arrays, poses, rays=int(n)), finest).beyond for n in counts]
     assert order(counts, errors) == pytest.approx(expected, rel=0.1)
-
-
-def test_reference_moves_less_than_asked():
-    arrays, poses = rough_arrays(**FINE), poses_of([0.0, 3.0], 1.3, 8.0)
-    record, moved = reference(arrays, poses, tolerance=0.003)
-    assert moved < 0.003
-    finest = rays.trace(arrays, poses, rays=1 << 18)
-    assert compare_records(arrays, poses, record, finest).beyond < 0.003
-    np.testing.assert_array_equal(record, reference(arrays, poses, tolerance=0.003)[0])
 
 
 def test_calls_are_timed_in_turns():

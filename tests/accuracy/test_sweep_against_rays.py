@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of, rough
+import naive
+from beds import arrays_of, bed_of, poses_of, rough
 from exact_rays import order
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
@@ -26,12 +27,8 @@ def both(name, changes, pings, *, planes=1, count=1 << 18):
 
 def finer(heights, times):
     """The same bilinear bed on a grid so many times finer."""
-    heights = heights.astype(np.float32).astype(float)
-    size = heights.shape[0]
-    place = np.arange(size * times) / times
-    low, share = place.astype(int), place % 1.0
-    rows = heights[:, low] * (1.0 - share) + heights[:, (low + 1) % size] * share
-    return rows[low] * (1.0 - share)[:, None] + rows[(low + 1) % size] * share[:, None]
+    place = np.arange(heights.shape[0] * times) / times
+    return naive.heights(bed_of(heights, periodic=True), *np.meshgrid(place, place))
 
 
 @pytest.mark.parametrize(
@@ -190,12 +187,3 @@ def test_scenes_in_thermoclines(water):
 def test_a_mesh_in_a_thermocline():
     found = bent_errors("wreck", WATERS["about the sonar"], [100, 150, 250])
     assert max(error.beyond for error in found) < 0.015
-
-
-def test_shadow_edges_in_a_thermocline_lie_within_a_bin():
-    level = KNIFE | WATERS["above the bed"] | {"seabed.relief": "flat"}
-    _, _, swept, right = both("targets", level, np.arange(40, 340, 30), count=100_000)
-    dark, black = swept == 0.0, right == 0.0
-    for shadow in (dark & ~black, black & ~dark):
-        # No two neighbouring bins are dark in one and lit in the other.
-        assert not (shadow[..., 1:] & shadow[..., :-1]).any()

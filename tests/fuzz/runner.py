@@ -1,13 +1,11 @@
 """Starts workers, gives them cases, and stops those that hang."""
 
-import contextlib
 import json
 import os
 import select
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -58,23 +56,6 @@ class Worker:
         )  # fmt: skip
 
 
-@contextlib.contextmanager
-def worker() -> Iterator[Worker]:
-    """Yield a worker that is stopped at the end."""
-    made = Worker()
-    try:
-        yield made
-    finally:
-        made.stop()
-        made.messages.close()
-
-
-def is_told_plainly(result: dict[str, Any]) -> bool:
-    """Whether standard error holds sentences of the command alone: one if it refuses, warnings if it does not."""
-    sentences = result["told"].splitlines()
-    return all(line.startswith("insonify: ") for line in sentences) and (result["code"] == 0 or len(sentences) > 0)
-
-
 def fault(result: dict[str, Any]) -> str | None:
     """What is wrong with the result of a case: anything but a record, or a refusal in one sentence."""
     if "dead" in result:
@@ -83,7 +64,8 @@ def fault(result: dict[str, Any]) -> str | None:
         return str(result["traceback"])
     if result["code"] not in (0, 2):
         return f"exit code {result['code']}"
-    if not is_told_plainly(result):
+    sentences = result["told"].splitlines()  # one if the command refuses, warnings if it does not
+    if not all(line.startswith("insonify: ") for line in sentences) or (result["code"] != 0 and not sentences):
         return f"on the terminal with exit code {result['code']}: {result['told']}"
     if result["seconds"] > LONGEST:
         return f"took {result['seconds']:.0f} s"

@@ -37,7 +37,6 @@ class Sample(NamedTuple):
     share: float = 1.0  # of the usual number of cases, for slow commands
 
 
-REAL = Path(__file__).parents[3] / "shared" / "data"
 SMALL = """
 [sonar]
 bins = 40

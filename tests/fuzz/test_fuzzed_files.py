@@ -2,14 +2,16 @@
 
 import pytest
 
-from fuzz.runner import fault, worker
+from fuzz.runner import Worker, fault
 from fuzz.samples import SAMPLES
 
 
 @pytest.fixture(scope="module")
 def running():
-    with worker() as made:
-        yield made
+    made = Worker()
+    yield made
+    made.stop()
+    made.messages.close()
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(10_000, marks=pytest.mark.slow)])

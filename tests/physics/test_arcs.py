@@ -15,7 +15,7 @@ from insonify.compiler.jit import kernel
 from insonify.kernels.refraction.arcs import HIGH, RANGE
 from insonify.kernels.refraction.eigenray_search import ANGLE, COSINE, GRAZED, SINE, TIME, TUBE, TURNS
 from insonify.kernels.refraction.eigenrays import FOUND, NONE, follow_to_range
-from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints, trace_ray_paths
+from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits
 from insonify.kernels.refraction.section_arcs import SectionPlane, speed_in_section
 from water import NO_CEILING, NO_FLOOR, followed, gradient, joined, launched, layers, shot, water_of
 
@@ -304,12 +304,8 @@ def test_a_tube_through_triangles_is_the_distance_between_neighbouring_rays():
 
 def through(water, plane, z, angle, x_end):
     """Follow a ray in any plane to a range."""
-    shape = (1, 2)
-    floats, counts = [np.full(shape, math.nan) for _ in range(6)], [np.zeros(shape, np.int64) for _ in range(3)]
-    points = RayPoints(*floats, np.zeros(shape, np.bool_), *counts)
     limits = RayLimits(x_end, -math.inf, math.inf, False, False)
-    trace_ray_paths(water, plane, z, np.array([angle]), np.array([x_end]), limits, points, np.zeros(1, np.int64))
-    return points
+    return follow_paths(water, z, np.array([angle]), np.array([x_end]), limits, plane)[0]
 
 
 @settings(max_examples=50, deadline=None)

@@ -30,12 +30,9 @@ LEVEL = edit(
 )
 
 
-def sines(extent, columns):
-    return np.linspace(-extent, extent, columns)
-
-
-def width_at_half(s, energy):
-    """Full width between the outermost places where the energy passes half its greatest value."""
+def width_at_half(extent, energy):
+    """Full width between the outermost sines, within an extent, where the energy passes half its greatest value."""
+    s = np.linspace(-extent, extent, energy.size)
     above = np.flatnonzero(energy >= 0.5 * energy.max())
     first, last = above[0], above[-1]
     half = 0.5 * energy.max()
@@ -64,8 +61,7 @@ def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
     for two_way, width in ((False, one_way), (True, both_ways)):
         beam = LineArray(length=LENGTH, taper=taper, two_way=two_way)
         _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 1e5))
-        s = sines(extent[-1], energy.shape[1])
-        assert width_at_half(s, energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
+        assert width_at_half(extent[-1], energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
         # Taylor's design of so few equal sidelobes comes out at -30.3 dB.
         passes = 2.0 if two_way else 1.0
         assert sidelobe(energy[-1]) == pytest.approx(passes * decibels, abs=0.35 * passes)
@@ -79,7 +75,7 @@ def test_the_near_field_is_the_integral_over_the_array(taper, quarter):
     r, row = first_range * 2.0 ** (quarter / 4.0), round(quarter * per_octave / 4.0)
     u = (np.arange(8192) + 0.5) / 8192 - 0.5
     weights = np.interp(u, (np.arange(1024) + 0.5) / 1024 - 0.5, taper_weights(taper))
-    place, s = u * LENGTH, sines(extent[row], energy.shape[1])[::16]
+    place, s = u * LENGTH, np.linspace(-extent[row], extent[row], energy.shape[1])[::16]
     phase = 2.0 * math.pi / WAVELENGTH * (place**2 / (2.0 * r) - s[:, None] * place)
     direct = np.abs((weights * np.exp(1j * phase)).sum(axis=1) / weights.sum()) ** 2
     # As near as r = L the phase turns by 0.4 rad from one of its 1024 elements to the next.
@@ -93,7 +89,7 @@ def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
     )
     ranges = first_range * 2.0 ** (np.arange(extent.size) / per_octave)
     ranges, extent, energy = (column[:: round(per_octave / 4.0)] for column in (ranges, extent, energy))
-    cells = [r * width_at_half(sines(e, b.size), b) for r, e, b in zip(ranges, extent, energy, strict=True)]
+    cells = [r * width_at_half(e, b) for r, e, b in zip(ranges, extent, energy, strict=True)]
     far = ranges * 0.886 * WAVELENGTH / LENGTH
     ratio = np.array(cells) / np.maximum(LENGTH, far)
     # The widest lobe of Fresnel's fringes narrows to 0.36 of this, the focus of an unfocused array at r = 0.3 L²/λ.
@@ -119,7 +115,7 @@ def test_curvature_moves_energy_and_makes_none(taper):
 def test_a_gaussian_is_as_wide_as_it_says(two_way, times):
     beam = {"kind": "gaussian", "width": 2.0, "two_way": two_way}
     _, pattern = make_pattern(edit(LEVEL, {"sonar.beam": beam}), 1500.0)
-    width = width_at_half(sines(pattern.extent[0], pattern.energy.shape[1]), pattern.energy[0])
+    width = width_at_half(pattern.extent[0], pattern.energy[0])
     assert width == pytest.approx(2.0 * math.sin(math.radians(1.0)) * times, rel=1e-3)
 
 

@@ -10,12 +10,10 @@ import naive
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
 from brute_force import strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR, still_water
-from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
-from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.tracers import march, rays
-from water import water_about, water_of
+from water import land, water_about, water_of
 
 FLAT = np.zeros((8, 8))
 FAN = math.radians(1.25)
@@ -42,14 +40,6 @@ def downwards(angles, azimuth=0.3):
     angles = np.radians(angles)
     level = np.cos(angles)
     return np.column_stack([level * math.cos(azimuth), level * math.sin(azimuth), -np.sin(angles)])
-
-
-def land(arrays, start, directions, reach=1000.0):
-    columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
-    bundle = RayBundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
-    hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
-    find_refracted_hits(arrays, bundle, reach, 0.0, hits, arrivals)
-    return hits, arrivals
 
 
 @pytest.mark.parametrize("g", [-5.0, -0.5, -1e-9, 0.0, 1e-9, 0.5, 5.0])

@@ -8,13 +8,11 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from insonify.acoustics.rays import join_points
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.rays.cell_walk import RayBundle, empty_hits
-from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
-from water import water_of
+from water import land, water_of
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
 # Warm water on cold: what goes up flatter than 13 degrees is bent down again.
@@ -60,10 +58,8 @@ def test_a_ball_shows_three_times(half_width):
 def landings(up):
     """Where rays come down on the bed, by range: the sine there, one-way intensity and slant range."""
     angles = np.radians(np.linspace(11.6, 12.9, 2000) if up else np.linspace(-5.6, -4.5, 2000))
-    zero = np.zeros(angles.size)
-    bundle = RayBundle(zero, zero, zero + SONAR_HEIGHT, zero, np.cos(angles), np.sin(angles))
-    hits, there = empty_hits(angles.size), empty_arrivals(angles.size)
-    find_refracted_hits(arrays(), bundle, 400.0, 0.0, hits, there)
+    ways = np.column_stack([np.zeros(angles.size), np.cos(angles), np.sin(angles)])
+    hits, there = land(arrays(), (0.0, 0.0, SONAR_HEIGHT), ways, 400.0)
     order = np.argsort(there.x)
     columns = (there.x, -there.dz, 1.0 / (there.tube * there.spread), hits.distance)
     return [column[order] for column in columns]

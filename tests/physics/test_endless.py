@@ -136,16 +136,13 @@ def test_ground_does_not_repeat():
 
 
 def test_half_the_spacing_shares_all_but_the_finest_waves():
-    coarse, fine = (
-        np.fft.rfft2(
-            endless_heights((SPECTRA["smooth"].model_copy(update={"rms": 1.0}),), s, 1)(Nodes.of_tile(0, 0))[::k, ::k]
-        )
-        for s, k in ((SPACING, 1), (SPACING / 2, 2))
-    )
+    smooth = SPECTRA["smooth"].model_copy(update={"rms": 1.0})
     # The fine tile spans half of the coarse one: compare the same nodes.
-    a = np.fft.irfft2(coarse)[:256, :256]
-    b = np.fft.irfft2(fine)[:256, :256]
-    assert np.corrcoef(a.ravel(), b.ravel())[0, 1] > 0.999
+    coarse, fine = (
+        endless_heights((smooth,), spacing, 1)(Nodes.of_tile(0, 0))[nodes, nodes].ravel()
+        for spacing, nodes in ((SPACING, slice(256)), (SPACING / 2, slice(None, None, 2)))
+    )
+    assert np.corrcoef(coarse, fine)[0, 1] > 0.999
 
 
 def test_noise_is_white_and_a_hash_of_its_place():

@@ -8,7 +8,6 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
-from insonify.scene.seabed import Seabed
 from insonify.scene.seabed.reliefs.cascade import Cascade
 from insonify.scene.seabed.reliefs.ripples import Ripples
 from insonify.scene.seabed.reliefs.roughness import PowerLaw, VonKarman
@@ -145,23 +144,21 @@ def test_sharp_crests_stand_over_wide_troughs(sharpness, skewness):
     assert np.mean(z**3) / np.mean(z**2) ** 1.5 == pytest.approx(skewness, abs=0.06)
 
 
-def test_wider_bands_have_more_defects():
+def test_wider_bands_have_more_defects(monkeypatch):
+    found, kept = [], Ripples.shape_waves
+
+    def shape_waves(ripples, a, b, level):
+        found.append(np.arctan2(b, a))
+        return kept(ripples, a, b, level)
+
+    monkeypatch.setattr(Ripples, "shape_waves", shape_waves)
+
     def defects(bandwidth):
-        found = []
-        kept = Ripples.shape_waves
-        Ripples.shape_waves = lambda ripples, a, b, level: found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
-        try:
-            heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
-        finally:
-            Ripples.shape_waves = kept
+        found.clear()
+        heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         phase = np.concatenate(found)  # row by row
-        steps = [
-            np.roll(phase, -1, 1) - phase,
-            np.roll(np.roll(phase, -1, 0), -1, 1) - np.roll(phase, -1, 1),
-            np.roll(phase, -1, 0) - np.roll(np.roll(phase, -1, 0), -1, 1),
-            phase - np.roll(phase, -1, 0),
-        ]
-        turns = sum((step + np.pi) % (2 * np.pi) - np.pi for step in steps) / (2 * np.pi)
+        around = [np.roll(phase, shift, (0, 1)) for shift in ((0, 0), (0, -1), (-1, -1), (-1, 0), (0, 0))]
+        turns = sum((step + np.pi) % (2 * np.pi) - np.pi for step in np.diff(around, axis=0)) / (2 * np.pi)
         return np.abs(np.rint(turns)).sum()
 
     # A Gaussian field with the spreads s of wave numbers along both axes has s²/2π of them a square metre,
@@ -331,8 +328,3 @@ def test_mistakes_are_told_in_one_sentence(made, message):
     with pytest.raises(SceneError, match=message) as caught:
         relief(build({"seabed": {"spacing": 0.1, "relief": made}}).seabed)
     assert "\n" not in str(caught.value)
-
-
-def test_a_seabed_says_what_is_made():
-    assert Seabed().random_reliefs == ()
-    assert not Seabed().endless

@@ -87,11 +87,7 @@ def test_speeds_are_as_printed(name, temperatures, depth, speeds, bound):
 
 
 def test_the_paper_without_its_misprint_grows_with_temperature():
-    t = np.linspace(0.0, 30.0, 61)
-    assert (np.diff(paper(t, 35.0, 0.0)) > 0.0).all()
-    misprinted = paper(t, 35.0, 0.0) + (0.055 - 0.55) * t**2
-    assert misprinted[20] - paper(10.0, 35.0, 0.0) == pytest.approx(-49.5)
-    assert np.diff(misprinted)[-1] < 0.0
+    assert (np.diff(paper(np.linspace(0.0, 30.0, 61), 35.0, 0.0)) > 0.0).all()  # printed: 0.55 t², which falls
 
 
 def test_the_three_agree_over_the_sea():

@@ -31,7 +31,6 @@ PUBLISHED = {
     "sandy_gravel": (-19.1, -12.0, -11.2),
     "cobble": (-21.3, -12.4, -11.4),
 }
-QUIET = {"volume": 0.0, "loss": 1e-9}
 SAND = Sediment(1.845, 1.1782, 0.01624, 0.002, 0.004446, 3.25)
 
 

@@ -219,15 +219,13 @@ def ready(**fluctuation):
     return reception(FEW, altitude=1.0, sonar__pulse="ideal", receiver__fluctuation=kind)
 
 
-def levels(**fluctuation):
-    """Level of every ping in dB, at 10 pings a second."""
-    return 10.0 * np.log10(ready(**fluctuation).find(Fluctuation).gains(np.arange(PINGS)).ravel().astype(float))
-
-
 @pytest.mark.parametrize("time", [0.05, 0.3, 1.0, 7.7, 60.0])
 def test_the_level_has_its_deviation_and_its_memory(time):
-    level = levels(level=2.0, correlation_time=time)
+    gain = ready(level=2.0, correlation_time=time).find(Fluctuation).gains(np.arange(PINGS)).ravel().astype(float)
+    level = 10.0 * np.log10(gain)
     samples = PINGS / max(1.5 * 10.0 * time, 1.0)
+    variance = math.exp((2.0 * math.log(10.0) / 10.0) ** 2) - 1.0
+    assert gain.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / samples))
     # A lognormal gain of mean 1: the mean level lies below 0 by ln(10)/20 times the variance.
     assert level.mean() == pytest.approx(-math.log(10.0) / 20.0 * 4.0, abs=3.0 * 2.0 / math.sqrt(samples))
     assert level.std() == pytest.approx(2.0, rel=3.0 / math.sqrt(2.0 * samples))
@@ -237,18 +235,8 @@ def test_the_level_has_its_deviation_and_its_memory(time):
         correlation = (centred[lag:] * centred[:-lag]).mean() / centred.var()
         # Sampled at a few nodes, the triangle's correlation is its own to 3 %.
         assert correlation == pytest.approx(math.exp(-1.0), abs=0.03 + 3.0 / math.sqrt(samples))
-
-
-def test_pings_as_far_apart_as_three_correlation_times_are_independent():
-    level = levels(level=1.0, correlation_time=1.0)
-    centred = level - level.mean()
-    assert abs((centred[30:] * centred[:-30]).mean()) < 4.0 / math.sqrt(PINGS / 15.0)
-
-
-def test_the_mean_intensity_stays():
-    gain = ready(level=3.0, correlation_time=0.05).find(Fluctuation).gains(np.arange(PINGS)).astype(float)
-    variance = math.exp((3.0 * math.log(10.0) / 10.0) ** 2) - 1.0
-    assert gain.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / PINGS))
+        # Three correlation times apart pings are independent.
+        assert abs((centred[3 * lag :] * centred[: -3 * lag]).mean() / centred.var()) < 4.0 / math.sqrt(samples)
 
 
 def test_both_sides_of_a_ping_and_all_its_bins_share_a_gain():

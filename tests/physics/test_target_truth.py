@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import brute_force
-from beds import arrays_of, box_mesh, pipe_edges, poses_of, rough
+from beds import arrays_of, box_mesh, poses_of, rough
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.io.records import read_record, write_record
 from insonify.kernels.common.contributors import empty_contributor_table
@@ -17,7 +17,7 @@ from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import LabelledPings
 from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate, simulate_blocks
+from insonify.simulation import simulate, simulate_blocks
 from insonify.tracers import rays, sweep
 from insonify.tracers.labels import PATHS, describe_contributors, empty_labels, trace_labels, turn_into_degrees
 from water import water_about
@@ -174,12 +174,6 @@ def test_light_has_no_target_strength():
     assert (found.echo_box.sel(channel="port") >= 0).all()
 
 
-def test_pings_do_not_depend_on_how_many_are_labelled(targets):
-    simulation = prepare(targets)
-    whole = simulation.truth(np.arange(20))
-    np.testing.assert_array_equal(whole.target_echo[7:9], simulation.truth(np.arange(7, 9)).target_echo)
-
-
 DEGREE = math.radians(1.0)
 BINS, STEP = 600, 0.05
 LENGTH, FREQUENCY, SPEED = 0.2, 400e3, 1500.0
@@ -312,33 +306,6 @@ def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
     same = (found.target_id == swept.target_id) & (found.target_id != -2)
     assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
     assert np.quantile(np.abs(found.incidence - swept.incidence)[same], 0.5) < turned
-
-
-def test_a_ball_in_a_gaussian_beam_has_a_shadow_in_its_record():
-    """A ball of 1 m at 20 m across: its shadow on the level bed runs to where the upper tangent ray comes down."""
-    scene = edit(
-        load_scene("pipe-span"),
-        {
-            "targets": [{"kind": "sphere", "radius": 0.5, "position": [20.0, 20.0]}],
-            "sonar.beam": {"kind": "gaussian", "width": 1.0},
-            "sonar.bins": 1000,
-            "track.start": [19.0, 0.0],
-            "track.pings": 11,
-        },
-    )
-    record = simulate(scene, truth=True).sel(channel="port")
-    r = record.slant_range.values
-    ping = int(np.argmin(np.abs(record.platform_x.values - 20.0)))
-    _, _, begins, ends = pipe_edges(0.0, altitude=10.0, offset=20.0)
-    share, whose = record.shadow.values[ping], record.shadow_id.values[ping]
-    inside = (r > begins + 0.2) & (r < ends - 0.2)
-    assert share[inside].mean() > 0.9
-    assert (whose[inside] == 0).all()
-    assert not share[(r < begins - 0.1) | (r > ends + 0.1)].any()
-    # The beam passes the ball by degrees, and each ping's share with it.
-    peak = record.shadow.max(dim="range_sample").values
-    assert (np.diff(peak[: ping + 1]) > -1e-6).all()
-    assert 0.0 < peak[0] < 0.5
 
 
 def test_bed_hidden_by_bed_is_no_shadow_of_a_target():

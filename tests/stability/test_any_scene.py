@@ -3,7 +3,6 @@
 import math
 import re
 import tracemalloc
-from collections.abc import Callable
 from time import process_time
 from typing import Any
 
@@ -37,7 +36,6 @@ KNOTS_PER_CELL = 8.0 * math.sqrt(2.0) * 2.0  # crossings of both families, halve
 TILE, LEVEL_CELLS, MOST_PLANES, DEFAULT_SIDE = 512, 4096, 1024, 102.4
 SHARDS, OF_EACH = 100, 100  # ten thousand scenes: -k "shard-17" draws those of one shard alone
 PATIENT = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-Check = Callable[[dict[str, Any]], None]
 
 
 # Bounds from what a scene declares alone: slow clocks say nothing here.
@@ -202,17 +200,9 @@ def test_any_mistake_is_one_sentence(values):
 @pytest.mark.slow
 @pytest.mark.parametrize("shard", range(SHARDS), ids="shard-{}".format)
 def test_ten_thousand_scenes(shard):
+    """Each shard draws its scenes from two seeds, the same at every run."""
+    many = settings(
+        max_examples=OF_EACH // 2, derandomize=False, database=None, deadline=None, suppress_health_check=PATIENT
+    )
     for number, (drawn, examine) in enumerate(((scenes(), check), (spoiled_scenes(), check_spoiled))):
-        draw_of(drawn, examine, 2 * shard + number)
-
-
-def draw_of(drawn: Any, examine: Check, number: int) -> None:
-    """Examine the scenes of one seed, the same at every run."""
-
-    @seed(number)
-    @settings(max_examples=OF_EACH // 2, derandomize=False, database=None, deadline=None, suppress_health_check=PATIENT)
-    @given(values=drawn)
-    def each(values: dict[str, Any]) -> None:
-        examine(values)
-
-    each()
+        seed(2 * shard + number)(many(given(values=drawn)(examine)))()
