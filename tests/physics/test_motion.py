@@ -8,6 +8,8 @@ import pytest
 from insonify.display.normalisation import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
+from insonify.terrain import build_ground
+from insonify.tow.poses import make_poses
 
 LEVEL = edit(
     load_scene("default"),
@@ -69,3 +71,24 @@ def test_an_echo_is_heard_where_the_beam_points(changes, across, shift, method):
     echo, bare = (simulate(one, method=method, tolerance=0.2, forced=alike).intensity.values for one in both)
     energy = np.maximum(echo - bare, 0.0)[0 if across > 0.0 else 1].sum(axis=1)
     assert np.average(np.arange(40), weights=energy) * 0.1 == pytest.approx(2.0, abs=0.05)
+
+
+def test_sway_moves_the_bed_sideways_and_nothing_else():
+    scene = edit(load_scene("default"), {"track.pings": 1, "track.heading": 90.0})
+    swayed = edit(scene, {"track.motion": {"kind": "sway", "amplitude": 2.0, "phase": 90.0}})
+    start = scene.track.start
+    shifted = edit(scene, {"track.start": [start[0] - 2.0, start[1]]})
+    np.testing.assert_allclose(simulate(swayed).intensity, simulate(shifted).intensity, rtol=1e-4)
+
+
+def test_a_surge_spaces_pings_unevenly():
+    # x = v t + a sin(2π t / T): the spacing swings between (v ± 2π a / T) / rate.
+    surge = {"kind": "surge", "amplitude": 0.5, "period": 8.0}
+    scene = edit(load_scene("default"), {"track.motion": surge, "track.pings": 800})
+    poses = make_poses(scene, build_ground(scene), np.arange(800))
+    spacing = np.diff(poses.x)
+    swing = 2.0 * math.pi * 0.5 / 8.0 / scene.sonar.ping_rate
+    even = scene.track.speed / scene.sonar.ping_rate
+    assert spacing.max() == pytest.approx(even + swing, rel=1e-3)
+    assert spacing.min() == pytest.approx(even - swing, rel=1e-3)
+    assert not poses.y.any()
