@@ -9,10 +9,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beds import arrays_of, pipe_edges, poses_of
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
 
 STEP = 0.02
 BINS = 3000
+LEVEL = {"seabed.relief": "flat", "sonar.pulse": "ideal", "sonar.beam": "knife", "track.pings": 1}
 
 
 def records(altitude, solids):
@@ -77,6 +80,32 @@ def test_energy_of_a_pipe_is_its_integral(altitude, offset, radius, gap):
     lost = altitude / math.pi * np.diff(np.arctan(x / altitude))[0]
     gained = record.sum(dtype=float) - bare.sum(dtype=float)
     assert gained == pytest.approx(energy - lost, rel=2e-3, abs=2e-4)
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(
+    altitude=st.floats(6.0, 15.0), offset=st.floats(8.0, 40.0), gap=st.floats(0.0, 3.0), side=st.sampled_from([1, -1])
+)
+def test_a_declared_span_stands_where_it_was_put(altitude, offset, gap, side):
+    pipe = {"kind": "pipe", "position": [0.0, side * offset], "length": 80.0, "radius": 0.5, "gap": gap}
+    scene = edit(
+        load_scene("pipe-span"), {**LEVEL, "targets": [pipe], "track.altitude": altitude, "track.start": [0, 0]}
+    )
+    bare = edit(scene, {"targets": []})
+    with_pipe, without = (
+        prepare(s, tolerance=1e-3, forced={"segments": "0.003"}).intensity(np.array([0]))[0, 0 if side > 0 else 1]
+        for s in (scene, bare)
+    )
+    step = scene.sonar.range / scene.sonar.bins
+    near, tangent, begins, ends = pipe_edges(gap, altitude=altitude, offset=offset, radius=0.5)
+    heard = np.flatnonzero(with_pipe > 1.005 * without)
+    assert heard[0] * step == pytest.approx(near, abs=1.001 * step)
+    silent = np.flatnonzero((with_pipe == 0.0) & (without > 0.0)) * step
+    if begins > scene.sonar.range:  # a high pipe's shadow falls beyond the record
+        assert not silent.size
+        return
+    assert silent[0] == pytest.approx(max(begins, tangent if gap == 0.0 else 0.0), abs=tangent - near + 1.001 * step)
+    assert silent[-1] + step == pytest.approx(min(ends, scene.sonar.range), abs=1.001 * step)
 
 
 def test_a_shadow_without_end_reaches_the_last_bin():
