@@ -12,7 +12,7 @@ from insonify.accuracy.stability.case import Measured, Quantity
 from insonify.accuracy.stability.report import write_report
 from insonify.cli import main
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify.simulation import simulate
+from insonify.simulation import prepare, simulate
 
 EVERY = [case for members in CASES.values() for case in members]
 
@@ -142,6 +142,16 @@ def test_pings_beat_with_ripples():
         assert true or strongest > 4.0 * wave
 
 
+def test_steps_leak_less_the_shorter_they_are():
+    scene = edit(load_scene("breaks-steps"), {"track.pings": 4})
+    exact = simulate(scene, method="rays", forced={"rays": "16000"}).intensity.values
+    sums = {}
+    for step in ("2", "0.5", "0.1"):
+        record = simulate(scene, method="march", forced={"step": step}).intensity.values
+        sums[step] = float(record[exact == 0.0].sum())
+    assert sums["2"] > 3.0 * sums["0.5"] > 9.0 * sums["0.1"]
+
+
 def test_a_place_on_the_map_changes_nothing():
     scene = edit(load_scene("breaks-terraces"), {"track.pings": 8})
     there, here = (simulate(one).intensity.values for one in (scene, edit(scene, {"world.origin": [0.0, 0.0]})))
@@ -152,3 +162,9 @@ def test_next_to_no_gradient_is_none():
     scene = edit(load_scene("breaks-gradient"), {"track.pings": 4})
     weak, none = (simulate(one).intensity.values for one in (scene, edit(scene, {"water": "uniform"})))
     np.testing.assert_allclose(weak, none, rtol=1e-6, atol=0)
+
+
+def test_the_bed_is_heard_to_where_the_last_ray_grazes_it():
+    simulation = prepare(load_scene("breaks-grazing"))
+    truth = simulation.truth(np.arange(2))
+    assert np.nanmax(truth.ground_range) == pytest.approx(1095.63, abs=2.0)
