@@ -186,6 +186,16 @@ def test_a_writer_in_another_container_goes_on(tmp_path, elsewhere):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.filterwarnings("ignore::insonify.errors.FileWarning")
+def test_two_writers_of_one_host_and_number_have_a_folder_each(tmp_path):
+    path = tmp_path / "record.nc"
+    with unfinished_folder(path) as one, unfinished_folder(path) as other:
+        assert one != other
+        assert is_leased(one)
+        assert is_leased(other)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("foreign", ["kernel", "locks"])
 def test_where_locks_prove_nothing_a_file_is_kept_until_its_writer_is_silent(tmp_path, monkeypatch, foreign):
     path = tmp_path / "record.nc"
