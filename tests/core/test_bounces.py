@@ -13,6 +13,7 @@ from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.path_tracing import advance_to, meet_next, split_path, start_path
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import prepare
 from insonify.tracers import rays
 
 DEEP = np.full((2, 2), -1e6)  # a bed out of the way
@@ -293,3 +294,23 @@ def test_bounces_ask_for_rays():
     for method in ("sweep", "march"):
         with pytest.raises(SceneError, match=r"sonar\.bounces"):
             plan(scene, method=method)
+
+
+def test_figure_1_hears_its_ball_three_times():
+    # The mirror's face is at y = 26.9 and the ball at (20, 0.8): the sonar's image is at y = 53.8, ten metres up.
+    scene = edit(load_scene("figure-1"), {"sonar.pulse": "ideal", "sonar.bounces": 1})
+    mirrored, straight = (
+        prepare(edit(scene, {"sonar.bounces": n}), method="rays", tolerance=0.1, forced={"bounces": "on"}).intensity(
+            np.array([50])
+        )[0, 0]
+        for n in (1, 0)
+    )
+    angle = np.linspace(0.0, 2.0 * math.pi, 100_001)
+    place = np.array([20.0, 0.8]) + 0.8 * np.column_stack([np.cos(angle), np.sin(angle)])
+    near, far = np.linalg.norm(place - (0.0, 10.0), axis=1), np.linalg.norm(place - (53.8, 10.0), axis=1)
+    lit = ((place - (20.0, 0.8)) * ((0.0, 10.0) - place)).sum(1) > 0.0
+    lit_by_mirror = ((place - (20.0, 0.8)) * ((53.8, 10.0) - place)).sum(1) > 0.0
+    mixed = (0.5 * (near + far))[lit & lit_by_mirror].min()
+    for first, record in ((near.min(), straight), (mixed, mirrored - straight), (far.min(), mirrored - straight)):
+        bin_ = int(first / 0.06)
+        assert record[bin_ : bin_ + 2].max() > 3.0 * record[bin_ - 6 : bin_ - 1].max()
