@@ -175,11 +175,29 @@ def test_any_ping_is_a_function_of_the_scene_and_its_number():
     np.testing.assert_array_equal(np.moveaxis(whole[:20], 1, 0), simulate(simulation.scene).intensity)
 
 
+def test_far_along_the_tow_the_pings_are_as_exact():
+    # After 640,000 pings the period of 51.2 m has come round 2500 times.
+    simulation = prepare(edit(small(), {"targets": []}))
+    near, far = simulation.intensity(np.array([3])), simulation.intensity(np.array([3 + 256 * 2500]))
+    np.testing.assert_allclose(far, near, rtol=1e-3, atol=1e-6 * near.max())
+
+
 def test_progress_runs_to_the_end(monkeypatch):
     seen = []
     monkeypatch.setattr(module.Simulation, "_block_size", lambda *_, **__: 64)
     simulate(small(2 * 64 + 3), progress=lambda done, total: seen.append((done, total)))
     assert seen == [(64, 2 * 64 + 3), (2 * 64, 2 * 64 + 3), (2 * 64 + 3, 2 * 64 + 3)]
+
+
+@pytest.mark.parametrize(("method", "scatter"), [("sweep", 1e-6), ("march", 0.5), ("rays", 0.1)])
+def test_every_method_makes_the_same_picture(method, scatter):
+    scene = small(3, sonar__beam="knife", targets=[], sonar__pulse="ideal")
+    auto, chosen = simulate(scene, tolerance=0.01), simulate(scene, method=method, tolerance=0.01)
+    assert chosen.attrs["plan"].startswith(method)
+    curve = auto.intensity.values[:, :, 60:].mean(axis=(0, 1))
+    difference = (chosen.intensity.values - auto.intensity.values)[:, :, 60:] / curve
+    assert math.sqrt((difference**2).mean()) <= scatter
+    assert abs(difference.mean()) < 0.03
 
 
 @pytest.mark.parametrize(("heading", "port"), [(0.0, (0, 1)), (90.0, (-1, 0)), (180.0, (0, -1)), (-90.0, (1, 0))])
