@@ -13,7 +13,6 @@ from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.pulses import coherence, coherent_taps, pulse_taps
 from insonify.acoustics.water import absorption_coefficient
 from insonify.cli import main
-from insonify.planning.relevance import outline_of
 from insonify.scene import Scene, SceneError, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.seabed.materials import catalogue
 from insonify.scene.seabed.materials.catalogue import MATERIALS, Catalogue, read_materials
@@ -41,7 +40,7 @@ def _known():
 )
 def test_a_shape_is_placed_and_measured(kind, radius, extents):
     scene = own_scene(kind)
-    arrays, outline = prepare(scene).arrays, outline_of(scene, 0)
+    arrays, outline = prepare(scene).arrays, scene.targets[0].outline
     assert outline.radius == pytest.approx(radius)
     assert [outline.extent(axis) for axis in np.eye(3)] == pytest.approx(extents)
     if kind == "hoop":

@@ -10,7 +10,6 @@ from itertools import takewhile
 from typing import Any
 
 from insonify.packing.packed_scene import Model, PackedScene, pack
-from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
 from insonify.planning.choices.base import FINENESS, Case, Choice
 from insonify.planning.choices.fineness import Planes, measure_together
@@ -71,7 +70,26 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
         if subject not in BY_SUBJECT:
             raise SceneError(f"model: {subject!r} is not a choice of a plan; choose one of {', '.join(BY_SUBJECT)}")
         BY_SUBJECT[subject].parse(text)
-    check_method(scene, _requested(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
+    _check_method(scene, _requested(method, forced), 0 if forced.get("bounces") == "off" else scene.sonar.bounces)
+
+
+def _check_method(scene: Scene, method: str, bounces: int) -> None:
+    """Raise an error if a method cannot simulate what the scene declares."""
+    tracer = None if method == AUTO else find_tracer(method)
+    surface = scene.water.surface
+    if bounces > 0 and tracer is not None and not tracer.follows_bounces:
+        raise SceneError(f"sonar.bounces: {method!r} does not follow bounces, here {bounces}; set it to 0 or use rays")
+    if scene.receiver.speckle.interferes:
+        if bounces > 0 or (tracer is not None and not tracer.sums_waves):
+            other = f"bounces (sonar.bounces is {bounces})" if bounces > 0 else f"the method {method!r}"
+            raise SceneError(f"receiver.speckle: 'coherent' is part of the sweep, not of {other}; take another speckle")
+        if surface.reflects:
+            raise SceneError(
+                f"water.surface: {surface.kind!r} adds multipath, which 'coherent' speckle does not include; take "
+                "another receiver.speckle, or the surface 'none'"
+            )
+    if tracer is not None:
+        tracer.refuse(scene)
 
 
 def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Mapping[str, str]) -> Plan:

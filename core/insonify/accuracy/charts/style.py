@@ -14,8 +14,8 @@ from matplotlib.transforms import Bbox
 
 from insonify.display.style import BLUE, BROWN, FAINT, GREEN, INK, VIOLET, make_figure, style_axes
 
-COLOURS = {"march": BROWN, "rays": BLUE, "sweep": GREEN, "embree": VIOLET}
-MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
+# Colour and mark of the family that a method's name begins with.
+FAMILIES = {"march": (BROWN, "s"), "rays": (BLUE, "o"), "sweep": (GREEN, "D"), "embree": (VIOLET, "^")}
 # Offsets of a label from its point, in points, best first.
 PLACES = (
     (0, 9),
@@ -39,18 +39,9 @@ Row = TypeVar("Row")
 Key = TypeVar("Key")
 
 
-def get_colour(method: str) -> str:
-    """Colour of the family that a method's name begins with."""
-    return COLOURS.get(_family(method), INK)
-
-
-def get_mark(method: str) -> str:
-    """Mark of the family that a method's name begins with."""
-    return MARKS.get(_family(method), "o")
-
-
-def _family(method: str) -> str:
-    return method.partition(",")[0]
+def style_of(method: str) -> tuple[str, str]:
+    """Colour and mark of a method."""
+    return FAMILIES.get(method.partition(",")[0], (INK, "o"))
 
 
 def scale_axes(axes: Axes, *, x: Any, y: Any) -> None:
@@ -181,10 +172,10 @@ def draw_series(
     bars: Sequence[float] | None = None,
 ) -> None:
     """Draw the points of a method and the power law through them."""
-    colour = get_colour(method)
+    colour, mark = style_of(method)
     law = f"{method} ∝ {symbol} to the {fit.format_exponent()}" if fit.format_exponent() else method
     axes.errorbar(
-        x, y, yerr=bars, fmt=get_mark(method), color=colour, markersize=6.5, markeredgecolor="white", elinewidth=1.0,
+        x, y, yerr=bars, fmt=mark, color=colour, markersize=6.5, markeredgecolor="white", elinewidth=1.0,
         zorder=3, label=law,
     )  # fmt: skip
     if fit.format_exponent() and x:

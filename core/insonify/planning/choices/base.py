@@ -8,19 +8,23 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from insonify.acoustics.water import estimate_refraction
+from insonify.errors import located
 from insonify.packing.packed_scene import Model, PackedScene
-from insonify.planning.checks import check_refraction
 from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.planning.probe import Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
-from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
 from insonify.scene import Scene, SceneError, edit
-from insonify.tracers.base import find_tracer, list_methods
+from insonify.scene.targets.shape import Outline
+from insonify.scene.water.surfaces import WAYS
+from insonify.tracers.base import AUTO, find_tracer, list_methods
 
 SWITCH = ("on", "off")
 EFFECT, TRACER, GRID, FINENESS = range(4)  # stages in which choices are made
 FEW_PLANES, FEWEST_RAYS = 4, 1000  # rays per side; enough to compare effects in the same pings
 NEGLIGIBLE = 1e-4  # bound on the error of straight rays below which it is not measured
+FARTHER = 1.1  # bound on how much farther refracted sound travels in the time of a slant range
+HIGHEST = 5.0  # bound on heights of waves, in rms heights
+OTHER_TILES = 2.0  # bound on the heights of endless ground, in those of the tile at the start
 
 
 @dataclass(eq=False)
@@ -40,8 +44,24 @@ class Case:
 
     @cached_property
     def near(self) -> tuple[int, ...]:
-        """Indices of the targets within reach of the track."""
-        return find_targets_in_reach(self.scene)
+        """Indices of the targets within reach of the track, as if it had no end; all where it is not straight."""
+        scene, track = self.scene, self.scene.track
+        numbers = range(len(scene.targets))
+        if not all(motion.keeps_line for motion in track.motions):
+            return tuple(numbers)
+        reach = FARTHER * scene.sonar.range + sum(motion.greatest_sway for motion in track.motions)
+        c, s = math.cos(math.radians(track.heading)), math.sin(math.radians(track.heading))
+
+        def distance(number: int) -> float:
+            x, y = (scene.targets[number].position[axis] - track.start[axis] for axis in (0, 1))
+            return math.hypot(min(x * c + y * s, 0.0), y * c - x * s)
+
+        return tuple(number for number in numbers if distance(number) <= reach + self._outline(number).radius)
+
+    def _outline(self, number: int) -> Outline:
+        """Outline of a target; an error in its mesh names it."""
+        with located(f"targets.{number}"):
+            return self.scene.targets[number].outline
 
     @property
     def targets(self) -> tuple[int, ...]:
@@ -90,10 +110,28 @@ class Case:
         if not (wanted and self.packed.arrays.water.bent):
             return False
         try:
-            check_refraction(self.scene, self.requested)
+            self.check_refraction()
         except SceneError:
             return False
         return True
+
+    def check_refraction(self) -> None:
+        """Raise an error if water that refracts sound is combined with an effect computed along straight rays only."""
+        surface, method = self.scene.water.surface, self.requested
+        if self.scene.receiver.speckle.interferes:
+            raise SceneError(
+                "receiver.speckle: 'coherent' sums waves along straight paths, and this water refracts sound; take "
+                "another speckle, or water.kind 'uniform'"
+            )
+        if self.scene.water.varies_along and method != AUTO and not find_tracer(method).refracts_along:
+            raise SceneError(
+                f"method: {method!r} refracts sound by depth only, and a 'section' varies along the range; take rays"
+            )
+        if surface.reflects:
+            raise SceneError(
+                f"water.surface: multipath ({surface.kind!r}) follows straight paths, and this water refracts sound; "
+                "take the surface 'none', or water.kind 'uniform'"
+            )
 
     @cached_property
     def folds(self) -> bool:
@@ -129,8 +167,16 @@ class Case:
 
     @cached_property
     def first_echoes(self) -> dict[str, float]:
-        """Slant range of the first echo of each path by the sea surface, in metres."""
-        return find_multipaths_in_reach(self.scene)
+        """Slant range of the first echo of each path by the sea surface that the scene declares, in metres."""
+        surface, altitude = self.scene.water.surface, self.scene.altitude
+        depth = self.scene.seabed.depth - altitude
+        first = {
+            "surface_bottom": depth + altitude,
+            "surface_bottom_surface": 2.0 * depth + altitude,
+            "second_bottom": 2.0 * altitude + depth,
+            "surface_echo": depth,
+        }
+        return {way: first[way] for way, is_on in zip(WAYS, surface.paths) if is_on}
 
     @cached_property
     def paths(self) -> frozenset[str]:
@@ -142,7 +188,18 @@ class Case:
     @cached_property
     def audible(self) -> frozenset[str]:
         """Paths by the sea surface with echoes that may arrive within the range."""
-        return find_audible_multipaths(self.scene, self.packed.arrays.bed)
+        scene, rise = self.scene, math.inf  # a measured bed may lie at any depth
+        waves = HIGHEST * scene.water.surface.rms_height
+        if not scene.seabed.relief.measured:
+            rise = max(self.packed.arrays.bed.high, 0.0) * (OTHER_TILES if scene.seabed.endless else 1.0)
+        rise += max((2.0 * self._outline(k).radius for k in range(len(scene.targets))), default=0.0)
+        sooner = {
+            "surface_bottom": rise + waves,
+            "surface_bottom_surface": rise + 2.0 * waves,
+            "second_bottom": 3.0 * rise + waves,
+            "surface_echo": waves,
+        }
+        return frozenset(way for way, first in self.first_echoes.items() if first - sooner[way] <= scene.sonar.range)
 
     def pings(self, model: Model) -> str:
         """Return the number of pings on which a model is compared with a coarser one, in words."""

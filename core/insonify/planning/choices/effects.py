@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator
 
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
-from insonify.planning.checks import check_refraction
 from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice
 from insonify.planning.plan_entries import PlanEntry, percent
 from insonify.scene.water.surfaces import WAYS
@@ -37,7 +36,7 @@ class Bending(Choice):
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if refraction is combined with an effect computed along straight rays only."""
         if model.bent:
-            check_refraction(case.scene, case.requested)
+            case.check_refraction()
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of refraction; none in water of constant sound speed."""

@@ -282,7 +282,7 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
         _write(axes, 0.012, 0.012, moved, FAINT, ha="left", va="bottom")
         _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
         labels = [
-            (row.label, row.microseconds, _height(row), style.get_colour(row.method))
+            (row.label, row.microseconds, _height(row), style.style_of(row.method)[0])
             for row in chart.rows_of(targets)
             if row.method in shown[:3]
         ]
@@ -330,13 +330,14 @@ def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
 
 def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     """Draw a line through the settings of a method and a mark for each."""
-    x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], style.get_colour(method)
+    x, y = [row.microseconds for row in rows], [_height(row) for row in rows]
+    colour, mark = style.style_of(method)
     family, _, variant = method.partition(", ")
     axes.errorbar(
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
     (line,) = axes.plot(
-        x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else style.get_mark(method),
+        x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else mark,
         markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
         label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method, picker=5,
     )  # fmt: skip
@@ -451,16 +452,11 @@ def _measure(
         one.trace(poses)
         times = math.ceil(SHORTEST_CALL / max(thread_time() - began, 1e-6))
         many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_PINGS // poses.x.size), 1)))
-        timed[key] = partial(one.trace, many), many.x.size
-    timings = time_calls(
-        {key: call for key, (call, _) in timed.items()},
-        seconds=TIMING,
-        clock=thread_time,
-        progress=lambda share: progress(0.7 + 0.3 * share),
-    )
+        timed[key] = partial(one.trace, many)
+    timings = time_calls(timed, seconds=TIMING, clock=thread_time, progress=lambda share: progress(0.7 + 0.3 * share))
     rows = []
     for key, one in named.items():
-        per_ping = 1e6 * timings[key].median / timed[key][1]
+        per_ping = 1e6 * timings[key].median / timed[key].args[-1].x.size
         for method in (
             (one.method, method_settings.EMBREE_OWN) if one.method == method_settings.EMBREE else (one.method,)
         ):

@@ -87,6 +87,7 @@ class ConvergenceChart(Chart):
     def _draw_panel(self, axes: Axes, series: str, points: list[ConvergencePoint], fit: style.PowerLawFit) -> None:
         style.scale_axes(axes, x=style.format_count, y=style.format_percent)
         method, _, what = series.partition(", ")
+        colour, mark = style.style_of(method)
         label_axes(axes, what or "rays per side")
         axes.set_title(LIMITS.get(series, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
         filled, hollow = ([point for point in points if point.resolved is resolved] for resolved in (True, False))
@@ -94,7 +95,7 @@ class ConvergenceChart(Chart):
         style.draw_series(axes, method, x, y, fit, SYMBOLS.get(series, "count"))
         axes.plot(
             [point.size for point in hollow], [point.error for point in hollow], linestyle="none", markersize=6.5,
-            marker=style.get_mark(method), markerfacecolor="white", markeredgecolor=style.get_colour(method),
+            marker=mark, markerfacecolor="white", markeredgecolor=colour,
         )  # fmt: skip
         if series in SYMBOLS:
             axes.invert_xaxis()

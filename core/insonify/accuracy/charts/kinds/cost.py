@@ -97,13 +97,6 @@ class CostChart(Chart):
         return figure
 
 
-class _Call(NamedTuple):
-    """Call to be timed."""
-
-    trace: partial[Any]  # traces some pings; its first argument is the arrays of the scene
-    pings: int  # number of these pings
-
-
 Sizes = Iterator[tuple[float, SceneArrays, Poses]]  # sizes of a scene, each with its arrays and poses
 
 
@@ -111,7 +104,7 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     """Measure time and memory against the number of pings, nodes, cells, bins, targets, triangles, planes and rays."""
     planes = plan(scene).planes
     arrays, poses = pack_for_chart(scene, SWEPT)
-    calls: dict[tuple[str, str, float], _Call] = {}
+    calls: dict[tuple[str, str, float], partial[Any]] = {}  # of each, the first arguments are arrays and poses
     calls |= {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
     calls |= {("rays", "pings", n): _rays(arrays, _some(poses, n)) for n in PINGS[:3]}
     if arrays.bed.periodic:
@@ -130,26 +123,21 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     if arrays.half_width > 0.0:
         calls |= {("sweep", "planes", count): _sweep(arrays, poses, count) for count in PLANES}
     calls |= {("rays", "rays a side", count): _rays(arrays, _some(poses, CAST), count) for count in RAYS}
-    memory = {key: _memory_of(call.trace) for key, call in calls.items()}
-    timings = time_calls(
-        {key: call.trace for key, call in calls.items()},
-        seconds=SECONDS,
-        clock=thread_time,
-        progress=progress or (lambda _: None),
-    )
-    rows = [
-        CostRow(*key, 1e6 * timing.median / (1 if key[1] in WHOLE else calls[key].pings), timing.spread, memory[key])
-        for key, timing in timings.items()
-    ]
+    memory = {key: _memory_of(call) for key, call in calls.items()}
+    timings = time_calls(calls, seconds=SECONDS, clock=thread_time, progress=progress or (lambda _: None))
+    rows = []
+    for key, timing in timings.items():
+        pings = 1 if key[1] in WHOLE else calls[key].args[1].x.size
+        rows.append(CostRow(*key, 1e6 * timing.median / pings, timing.spread, memory[key]))
     return CostChart(scene.title, tuple(rows), describe_machine())
 
 
-def _sweep(arrays: SceneArrays, poses: Poses, planes: int) -> _Call:
-    return _Call(partial(sweep.trace, arrays, poses, planes=planes, threads=1), poses.x.size)
+def _sweep(arrays: SceneArrays, poses: Poses, planes: int) -> partial[Any]:
+    return partial(sweep.trace, arrays, poses, planes=planes, threads=1)
 
 
-def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> _Call:
-    return _Call(partial(rays.trace, arrays, poses, rays=count, threads=1), poses.x.size)
+def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> partial[Any]:
+    return partial(rays.trace, arrays, poses, rays=count, threads=1)
 
 
 def _memory_of(call: partial[Any]) -> float:
@@ -176,12 +164,12 @@ def _some(poses: Poses, count: int) -> Poses:
     return Poses(*(np.ascontiguousarray(column[places.astype(np.int64)]) for column in poses))
 
 
-def _stream_records(scene: Scene) -> Iterator[tuple[int, _Call]]:
+def _stream_records(scene: Scene) -> Iterator[tuple[int, partial[Any]]]:
     """Whole records traced block by block, as for a file, as long as the plan predicts a few seconds."""
     for n in STREAMED:
         simulation = prepare(edit(scene, {"track.pings": n}), threads=1)
         if n * simulation.plan.cost <= LONGEST:
-            yield n, _Call(partial(_stream, simulation.reduced, simulation), n)
+            yield n, partial(_stream, simulation.reduced, simulation)
 
 
 def _stream(_: SceneArrays, simulation: Simulation) -> None:
