@@ -60,7 +60,7 @@ class Case:
 
     def _outline(self, number: int) -> Outline:
         """Outline of a target; an error in its mesh names it."""
-        with located(f"targets.{number}"):
+        with located(f"targets.{number}."):
             return self.scene.targets[number].outline
 
     @property
