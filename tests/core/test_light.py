@@ -22,9 +22,11 @@ def laid_out(name: str, changes: dict[str, Any]) -> OpticalScene:
 
 
 def pixel(optical: OpticalScene, image: Any, place: tuple[float, float, float]) -> Any:
-    cutaway = make_cutaway(optical)
-    x, y = make_camera(cutaway, image.shape[1]).project(np.array(place))
-    return image[int(y), int(x)].astype(float)
+    height, width, _ = image.shape
+    camera = make_camera(make_cutaway(optical), width)
+    *slopes, ahead = camera.axes @ (np.array(place) - camera.place)
+    x, y = (np.array(slopes) / ahead - camera.low) / (camera.high - camera.low)
+    return image[int((1.0 - y) * height), int(x * width)].astype(float)
 
 
 @pytest.mark.parametrize("gap", [0.0, 1.0])

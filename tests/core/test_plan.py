@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drawn_scenes import scenes
-from insonify.acoustics.water import estimate_refraction
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.choices import CHOICES
@@ -251,15 +250,6 @@ def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     poses = precise.poses(pings)
     left_out = compare_records(other, poses, sweep.trace(one, poses), sweep.trace(other, poses)).beyond
     assert 0.0 < left_out < 0.03
-
-
-@pytest.mark.parametrize("gradient", [0.05, -0.4])
-def test_the_shift_of_the_farthest_echo_is_that_of_bent_rays(gradient):
-    # Two points of one gradient: τ = (2/|g|) asinh(|g| D / (2 √(c0 c1))).
-    speeds = [1500.0 - 20.0 * gradient, 1500.0 + 10.0 * gradient]
-    scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 30.0], "sound_speed": speeds}})
-    time = 2.0 / abs(gradient) * math.asinh(abs(gradient) * 50.0 / (2.0 * math.sqrt(1500.0 * speeds[1])))
-    assert estimate_refraction(scene).shift == pytest.approx(abs(1500.0 * time - 50.0), rel=0.03)
 
 
 SMALL = edit(

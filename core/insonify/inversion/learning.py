@@ -3,7 +3,6 @@
 import math
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -297,7 +296,11 @@ def learn(
     bed = sound_bed(record, sonar.altitude, separate=not sonar.simulated)
     spectra = measure_segment_spectra(bed)
     sonar = _estimate_sonar(sonar, bed, spectra)
-    with _staged_track(sonar.scene, sonar.navigation) as scene:
+    scene = sonar.scene
+    with tempfile.TemporaryDirectory() as folder:
+        if sonar.navigation is not None:
+            track = Path(folder) / "track.csv"
+            scene = _on_track(scene, sonar.navigation, track, str(track))
         candidate, fit = Matching(scene, sonar, bed, spectra, progress or (lambda share: None)).match()
         own = simulate(candidate.set_on(scene))
     title = f"Learned from {str(record.attrs.get('title', '')) or 'a record'}"[:200]
@@ -313,17 +316,6 @@ def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpect
     if "sonar.beam" in sonar.assumed:
         scene = edit(scene, {"sonar.beam.width": estimate_beam(spectra, scene, speed)})
     return sonar._replace(scene=scene)
-
-
-@contextmanager
-def _staged_track(scene: Scene, navigation: Navigation | None) -> Iterator[Scene]:
-    """Yield a scene on a recorded track, from a temporary file that is removed after the block."""
-    if navigation is None:
-        yield scene
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "track.csv"
-        yield _on_track(scene, navigation, file, str(file))
 
 
 def _on_track(scene: Scene, navigation: Navigation, file: Path, path: str) -> Scene:

@@ -19,13 +19,8 @@ LEVEL = 0.05  # change of altitude, over the mean, that a level track may show
 STRAIGHT = 0.5  # m, or half the distance between pings if that is more, off a straight and even track
 ASSUMED_BEAM = {"kind": "gaussian", "width": 0.7}
 ASSUMED_RATE = 10.0  # Hz
-LEARNED = (
-    "seabed",
-    "receiver.speckle",
-    "targets",
-    "volumes",
-    "track.pings",
-)  # fields that may not be set, because they are learned
+# Fields that may not be set, because they are learned.
+LEARNED = ("seabed", "receiver.speckle", "targets", "volumes", "track.pings")
 CARRIED = ("sonar", "water", "track", "receiver")  # parts of a simulated record's scene that are kept
 
 

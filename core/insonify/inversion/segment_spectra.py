@@ -114,10 +114,6 @@ class SoundedBed(NamedTuple):
         """Slant ranges of the centres of the bins, (bins,) in metres."""
         return np.asarray((np.arange(self.intensity.shape[2]) + 0.5) * self.bin_length)
 
-    def amplitude(self) -> Singles:
-        """Amplitude relative to the level of the record, (2, pings, bins)."""
-        return normalise(self.intensity, self.level.intensity(self.altitude, self.slant_range))
-
 
 class AngleGroup(NamedTuple):
     """Median spectrum of the segments of similar grazing angle."""
@@ -166,7 +162,7 @@ def measure_segment_spectra(bed: SoundedBed) -> SegmentSpectra:
 
 def _measure_periodograms(bed: SoundedBed) -> tuple[Floats, Floats, Singles]:
     """Sines of the grazing angles, slant ranges and periodograms of all segments."""
-    amplitude = bed.amplitude()
+    amplitude = normalise(bed.intensity, bed.level.intensity(bed.altitude, bed.slant_range))
     grazing = _sine(bed.altitude, bed.slant_range)
     found = [
         (float(grazing[part[1:]].mean()), float(bed.slant_range[part[2]].mean()), _periodogram(amplitude[part], bed))

@@ -158,12 +158,6 @@ class Camera:
         ways = slopes @ self.axes
         return ways / np.linalg.norm(ways, axis=-1, keepdims=True)
 
-    def project(self, place: Floats) -> tuple[float, float]:
-        """Project a point: pixels from the left and from the top."""
-        right, up, ahead = self.axes @ (place - self.place)
-        x, y = (np.array([right, up]) / ahead - self.low) / (self.high - self.low)
-        return float(x * self.width), float((1.0 - y) * self.height)
-
 
 def make_camera(cutaway: Cutaway, width: int) -> Camera:
     """Place a camera astern, aside and above a cutaway, with a window that shows all of it."""

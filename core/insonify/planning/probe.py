@@ -2,6 +2,7 @@
 
 import math
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -69,18 +70,15 @@ class Probe:
         try:
             self._trace(model, self._is_across.size)
         except SceneError:
-            kept = np.flatnonzero([self._is_clear(model, ping) for ping in range(self._is_across.size)])
-            if kept.size == 0:
+            kept = []
+            for ping in range(self._is_across.size):
+                with suppress(SceneError):
+                    trace_model(self._packed, model, take_poses(self._poses, slice(ping, ping + 1)))
+                    kept.append(ping)
+            if not kept:
                 raise
-            self._poses, self._is_across = take_poses(self._poses, kept), self._is_across[kept]
+            self._poses, self._is_across = take_poses(self._poses, np.array(kept)), self._is_across[kept]
             self._scale = self._scale[kept]
-
-    def _is_clear(self, model: Model, ping: int) -> bool:
-        try:
-            trace_model(self._packed, model, take_poses(self._poses, slice(ping, ping + 1)))
-        except SceneError:
-            return False
-        return True
 
     def work(self, model: Model) -> float:
         """Return the work of a ping by a model."""

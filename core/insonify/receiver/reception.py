@@ -54,12 +54,6 @@ class Reception:
         return self.phased and any(stage.adds_waves for stage in self.stages)
 
     @cached_property
-    def looks(self) -> int:
-        """Independent records averaged."""
-        speckle = self.find(Speckle)
-        return 1 if speckle is None else speckle.looks
-
-    @cached_property
     def divided_by_shape(self) -> Floats | None:
         """Reflectivities, (materials, 3), of a second trace from which K speckle gets its shape in every bin."""
         speckle = self.find(Speckle)
@@ -161,12 +155,14 @@ def _detect_waves(reception: Reception, sound: Sound) -> Singles:
     """Energy of the sum of all waves that are received, averaged over the looks, (n, 2, bins)."""
     record = np.zeros((sound.pings.size, 2, reception.bins), np.float32)
     background, traced = sound.background, sound.waves if reception.coherent else None
-    for look in range(reception.looks):
+    speckle = reception.find(Speckle)
+    looks = 1 if speckle is None else speckle.looks
+    for look in range(looks):
         sound.look, sound.background = look, background
         sound.waves = traced or no_waves(sound.pings.size, reception.bins)
         for stage in reception.stages:
             if PHASES <= stage.rank < DETECTION:
                 stage.act_on_waves(sound)
         sound.draw_background(reception.background_field)
-        sound.waves.detect_into(record, 1.0 / reception.looks)
+        sound.waves.detect_into(record, 1.0 / looks)
     return record

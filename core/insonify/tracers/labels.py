@@ -16,7 +16,6 @@ from insonify.kernels.labels.sweep_labels import NO_MATERIAL, NO_PATH, Contribut
 from insonify.kernels.labels.sweep_labels import RecordLabels as RecordLabels
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
-from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
@@ -54,7 +53,9 @@ def trace_labels(
     labels, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
     energy, traced = new_record(arrays, poses), new_record(arrays, poses) if echoes is None else echoes
     apparent, folded = make_apparent_tables(arrays, poses)
-    rooms = PerThread(lambda: _make_room(arrays, apparent))
+    rooms = PerThread(
+        lambda: (empty_sweep_workspace(arrays, apparent), empty_multipath_workspace(arrays), *empty_tables(arrays))
+    )
     trace_some = partial(trace, arrays, planes=planes, across=across, rays=rays, threads=threads)
     by_rays, clear = np.flatnonzero(folded), np.flatnonzero(~folded)
     if by_rays.size > 0:
@@ -143,11 +144,6 @@ def empty_tables(arrays: SceneArrays) -> tuple[ContributorTable, ShadowTable]:
         empty_contributor_table(contributors, arrays.bins),
         empty_shadow_table(count_targets(arrays), arrays.bins),
     )
-
-
-def _make_room(arrays: SceneArrays, apparent: ApparentTables) -> tuple[Any, ...]:
-    """Work space for the labels of pings."""
-    return empty_sweep_workspace(arrays, apparent), empty_multipath_workspace(arrays), *empty_tables(arrays)
 
 
 def count_targets(arrays: SceneArrays) -> int:

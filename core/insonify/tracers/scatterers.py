@@ -5,6 +5,7 @@ Derived in docs/theory/speckle.md.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,14 +46,10 @@ class ScattererTracer(PreparedTracer):
         """Bins beyond the record's last with scatterers that the pulse still covers."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
-    def trace(  # type: ignore[override]
-        self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, across: int = 0, threads: int | None = None
-    ) -> Singles:
+    def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
         """Intensity of the sum of all scatterers' waves after the pulse."""
         out = empty_record(arrays, poses)
-        detect_samples(
-            self.trace_waves(arrays, poses, planes=planes, across=across, threads=threads), self.pulse.samples, out
-        )
+        detect_samples(self.trace_waves(arrays, poses, **settings), self.pulse.samples, out)
         return out
 
     def trace_waves(

@@ -12,10 +12,9 @@ import numpy as np
 from insonify.arrays import Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.multipath.surface_multipath import MultipathWorkspace, empty_multipath_workspace, sweep_multipath
-from insonify.kernels.refraction.apparent_positions import ApparentTables
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.sweep.partial_segments import FINE
-from insonify.kernels.sweep.sweep import AzimuthFan, SweepWorkspace, empty_sweep_workspace, sweep_pings
+from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
@@ -130,38 +129,25 @@ def trace(
     )
 
     def block(first: int, last: int) -> None:
-        for among, *beams in fans[first:last]:
+        # Pings that share their planes, those of the sonar and those of its image in the sea surface.
+        for among, beam, image_beam in fans[first:last]:
             places = clear[among]
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
-            _trace_alike(arrays, some, (beams[0], beams[1]), apparent, rooms, threads, traced)
+
+            def sweep(part: Poses, low: int, high: int, beams: Any = (beam, image_beam), to: Singles = traced) -> None:
+                room, images = rooms.own
+                sweep_pings(arrays, part, beams[0], apparent, room, to[low:high])
+                if images is not None:
+                    sweep_multipath(arrays, part, *beams, images, empty_contributor_table(0, 0), to[low:high])
+
+            share_blocks(some, sweep, threads, pings_a_thread(beam))
             if traced is not out:
                 out[places] = traced
 
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)
     return out
-
-
-def _trace_alike(
-    arrays: SceneArrays,
-    poses: Poses,
-    beams: tuple[AzimuthFan, AzimuthFan],
-    apparent: ApparentTables,
-    rooms: PerThread[tuple[SweepWorkspace, MultipathWorkspace | None]],
-    threads: int | None,
-    out: Singles,
-) -> None:
-    """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
-    beam, image_beam = beams
-
-    def block(part: Poses, first: int, last: int) -> None:
-        room, images = rooms.own
-        sweep_pings(arrays, part, beam, apparent, room, out[first:last])
-        if images is not None:
-            sweep_multipath(arrays, part, beam, image_beam, images, empty_contributor_table(0, 0), out[first:last])
-
-    share_blocks(poses, block, threads, pings_a_thread(beam))
 
 
 def pings_a_thread(beam: AzimuthFan) -> int:

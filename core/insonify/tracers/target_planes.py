@@ -102,27 +102,17 @@ def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Boolea
 def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan) -> tuple[float, float]:
     """Planes that a ping of a track gets for its targets beyond those of a fan, and share of pings that get any."""
     sectors, known = _sectors_over_track(scene, arrays, across)
-    planes = fan.azimuth.size
+    planes, pings = fan.azimuth.size, sectors.low.shape[0]
     if planes not in known:
-        known[planes] = _count_added_planes(scene, arrays, across, fan, sectors)
+        divided = find_pings_to_divide(fan, sectors, np.full(pings, scene.altitude))
+        half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
+        low, high, step, nearest = (column[divided] for column in sectors)
+        within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
+        spacing = float(np.subtract(*_edges(fan)[::-1]).min())
+        counted = (step < spacing) & (nearest < scene.sonar.range)
+        added = np.where(counted, within * (1.0 / step - 1.0 / spacing), 0.0).sum(axis=1)
+        known[planes] = float(np.minimum(added, MOST_OF_EACH * across).sum()) / pings, divided.size / pings
     return known[planes]
-
-
-def _count_added_planes(
-    scene: Scene, arrays: SceneArrays, across: int, fan: AzimuthFan, sectors: TargetSectors
-) -> tuple[float, float]:
-    """Count them for the sectors of a track."""
-    divided = find_pings_to_divide(fan, sectors, np.full(sectors.low.shape[0], scene.altitude))
-    if divided.size == 0:
-        return 0.0, 0.0
-    half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
-    low, high, step, nearest = (column[divided] for column in sectors)
-    within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
-    spacing = float(np.subtract(*_edges(fan)[::-1]).min())
-    counted = (step < spacing) & (nearest < scene.sonar.range)
-    added = np.where(counted, within * (1.0 / step - 1.0 / spacing), 0.0).sum(axis=1)
-    pings = sectors.low.shape[0]
-    return float(np.minimum(added, MOST_OF_EACH * across).sum()) / pings, divided.size / pings
 
 
 @remember_latest

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -11,32 +11,22 @@ from insonify.display.style import BROWN, FAINT, GREEN, INK, label_axes, style_a
 
 WRONG, RIGHT = BROWN, GREEN
 Picture = Callable[[Figure], Any]  # draws on an empty figure
-
-
-class Curve(NamedTuple):
-    """Line or points of a panel; without ``x`` or ``y`` a straight line across the whole panel."""
-
-    colour: str
-    x: Any
-    y: Any
-    label: str = ""
-    style: str = "-"
-    options: dict[str, Any] = {}  # noqa: RUF012  # never changed
-
-    def draw(self, axes: Any) -> None:
-        """Draw the curve."""
-        options = {"color": self.colour, **({"label": self.label} if self.label else {}), **self.options}
-        if self.x is None:
-            axes.axhline(self.y, linestyle=self.style, **options)
-        elif self.y is None:
-            axes.axvline(self.x, linestyle=self.style, **options)
-        else:
-            axes.plot(self.x, self.y, self.style, **options)
+Curve = Callable[[Any], None]  # draws on the axes of a panel
 
 
 def curve(colour: str, x: Any, y: Any, label: str = "", style: str = "-", **options: Any) -> Curve:
-    """Curve with options of Matplotlib."""
-    return Curve(colour, x, y, label, style, options)
+    """Line or points with options of Matplotlib; without ``x`` or ``y`` a straight line across the whole panel."""
+    options = {"color": colour, **({"label": label} if label else {}), **options}
+
+    def draw(axes: Any) -> None:
+        if x is None:
+            axes.axhline(y, linestyle=style, **options)
+        elif y is None:
+            axes.axvline(x, linestyle=style, **options)
+        else:
+            axes.plot(x, y, style, **options)
+
+    return draw
 
 
 common = partial(curve, WRONG)  # of the common method
@@ -61,11 +51,11 @@ def panel(
         axes.set_axisbelow(True)
         axes.set(**{f"{axis}scale": "log" for axis in log})
         for each in curves:
-            each.draw(axes)
+            each(axes)
         axes.set(**limits)
         if down:
             axes.invert_yaxis()
-        if any(each.label for each in curves) and legend:
+        if legend and axes.get_legend_handles_labels()[0]:
             add_legend(axes, legend)
         return axes
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
-from insonify.acoustics.water import estimate_refraction
+from insonify.acoustics.water import bound_straight_rays
 from insonify.errors import located
 from insonify.packing.packed_scene import Model, PackedScene
 from insonify.planning.plan_entries import PlanEntry, percent
@@ -101,7 +101,7 @@ class Case:
     @cached_property
     def straight_bound(self) -> float:
         """Bound on the error of straight rays; 0 where the sound speed is the same everywhere."""
-        return estimate_refraction(self.scene).most if self.packed.arrays.water.bent else 0.0
+        return bound_straight_rays(self.scene) if self.packed.arrays.water.bent else 0.0
 
     @cached_property
     def bent(self) -> bool:

@@ -239,11 +239,10 @@ class Rays(Doublings):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
-        if self.leads(model):
-            reason = self.measured(case, model, "rays per side", error)
-            yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
-        elif model.rays:
+        if model.rays:
             reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
+            if self.leads(model):
+                reason = self.measured(case, model, "rays per side", error)
             yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
 
 

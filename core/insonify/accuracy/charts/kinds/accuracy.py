@@ -236,18 +236,11 @@ class AccuracyChart(Chart):
 
     def draw(self) -> Figure:
         """Draw error against time per ping, with the Pareto front."""
-        return draw_accuracy(self).figure
+        return draw_accuracy(self)[0]
 
 
-class AccuracyFigure(NamedTuple):
-    """Drawn accuracy chart."""
-
-    figure: Figure  # figure with an Agg canvas
-    marks: dict[Line2D, list[AccuracyRow]]  # rows at the points of each line, for picking
-
-
-def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
-    """Draw error against time per ping and the Pareto front, a panel with targets and one without."""
+def draw_accuracy(chart: AccuracyChart) -> tuple[Figure, dict[Line2D, list[AccuracyRow]]]:
+    """Draw error against time per ping and the Pareto front; return the rows at the points of each line for picking."""
     panels = len(chart.scenes)
     width = LEFT + WIDE * panels + NAMES
     remarks = (*chart.describe_parts(), *chart.notes)
@@ -288,7 +281,7 @@ def draw_accuracy(chart: AccuracyChart) -> AccuracyFigure:
         ]
         style.place_labels(axes, labels)
     label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
-    return AccuracyFigure(figure, marks)
+    return figure, marks
 
 
 def _draw_panel(

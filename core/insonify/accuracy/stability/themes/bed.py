@@ -62,8 +62,8 @@ def _steps() -> Measured:
         title = "and puts energy into the shadows"
         record = panel(x="slant range (m)", y="energy per bin (dB)", title=title, place=122)(figure)
         record.fill_between(r, -130.0, -60.0, where=dark.tolist(), color=FAINT, alpha=0.18, linewidth=0, label="shadow")
-        common(r, levels[0], "long steps", ".", markersize=1.5).draw(record)
-        ours(r, levels[1], "segments, one horizon", linewidth=1.0).draw(record)
+        common(r, levels[0], "long steps", ".", markersize=1.5)(record)
+        ours(r, levels[1], "segments, one horizon", linewidth=1.0)(record)
         record.set(xlim=(8.0, 50.0), ylim=(-115.0, -60.0))
         add_legend(record, "upper right")
 

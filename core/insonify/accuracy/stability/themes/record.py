@@ -7,18 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from insonify.accuracy.stability.case import Approach, Measured, Quantity, StabilityTheme, percent
-from insonify.accuracy.stability.drawing import (
-    RIGHT,
-    WRONG,
-    add_legend,
-    common,
-    curve,
-    faint,
-    inked,
-    ours,
-    panel,
-    table,
-)
+from insonify.accuracy.stability.drawing import common, curve, faint, inked, ours, panel, table
 from insonify.accuracy.stability.level_scenes import level_arrays, make_level_scene, make_pose, sweep_port
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
@@ -99,13 +88,14 @@ def _shadows() -> Measured:
     r = (np.arange(single.size)[shown] + 0.5) * BIN
 
     def draw(figure: Figure) -> None:
-        axes = panel(x="slant range (m)", y="energy over the maximum")(figure)
+        axes = panel(
+            common(r, single[shown] / single[: dark.start].max(), "float32 steps", linewidth=1.2),
+            ours(r, own[shown] / own[: dark.start].max(), "integers", linewidth=1.2),
+            x="slant range (m)", y="energy over the maximum", legend="upper right",
+        )(figure)  # fmt: skip
         axes.set_yscale("symlog", linthresh=1e-7)
         axes.set_yticks([-1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 1e-1])
-        for record, colour, words in ((single, WRONG, "float32 steps"), (own, RIGHT, "integers")):
-            axes.plot(r, record[shown] / record[: dark.start].max(), color=colour, linewidth=1.2, label=words)
         axes.axvspan(dark.start * BIN, float(r[-1]), color=FAINT, alpha=0.12, linewidth=0)
-        add_legend(axes, "upper right")
 
     return Measured(percent(single[dark] != 0.0), percent(own[dark] != 0.0), draw)
 

@@ -231,21 +231,6 @@ def _level() -> Measured:
     ))  # fmt: skip
 
 
-class _WithMemory:
-    """Tracer that first tries the layer of the previous ray."""
-
-    def __init__(self) -> None:
-        self.layer = 0
-
-    def level_ray(self, at: float, across: Any) -> Any:
-        """Depth of a level ray after a range, by the circle of the layer that contains it."""
-        depth, speed = KINK.depth, KINK.sound_speed
-        if not depth[self.layer] <= at <= depth[self.layer + 1]:
-            self.layer = next(k for k in range(len(depth) - 1) if depth[k] <= at <= depth[k + 1])
-        gradient = (speed[self.layer + 1] - speed[self.layer]) / (depth[self.layer + 1] - depth[self.layer])
-        return at - 0.5 * gradient / 1500.0 * across**2
-
-
 @KNOTS.case(
     "A layer chosen by history",
     "On a knot the ray belongs to two layers, and the layer used last is taken.",
@@ -254,11 +239,10 @@ class _WithMemory:
     right=Approach("Chooses by the ray's own direction and curvature.", 0.0),
 )
 def _history() -> Measured:
-    across, histories = np.linspace(0.0, 100.0, 51), []
-    for before in (5.0, 40.0):
-        tracer = _WithMemory()
-        tracer.level_ray(before, 100.0)
-        histories.append(tracer.level_ray(20.0, across))
+    across = np.linspace(0.0, 100.0, 51)
+    # The ray before, from 5 m or from 40 m, leaves its layer, to which the knot belongs too.
+    gradients = np.diff(KINK.sound_speed) / np.diff(KINK.depth)
+    histories = 20.0 - 0.5 * gradients[:, None] / 1500.0 * across**2
     options: dict[str, Any] = {"max_range": 100.0, "ranges": [100.0]}
     alone = [ray_paths(KINK, 20.0, [angle], **options).depth.values[0, 0] for angle in (0.0, 2.0, -2.0)]
     up, down = ([2.0, 0.0, -2.0], [1, 0, 2]), ([-2.0, 0.0, 2.0], [1, 2, 0])
