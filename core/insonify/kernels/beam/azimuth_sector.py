@@ -56,11 +56,15 @@ def raise_sector(sector, near_field):
 @inlined_uncounted
 def sector_weight(x, z, r, sector, pattern, law):
     """Factor by which a plane's sector multiplies an echo at one place."""
-    if sector.tabulated:
-        return _pattern_weight(x, z, r, sector, pattern, law)
-    if sector.angle == 0.0:
-        return 1.0
-    return top_hat_share(x, r, sector) if law == LIGHT else top_hat_width(x, r, sector)
+    if not sector.tabulated:
+        if sector.angle == 0.0:
+            return 1.0
+        return top_hat_share(x, r, sector) if law == LIGHT else top_hat_width(x, r, sector)
+    response = in_plane_response(x / r, z / r, sector, pattern)
+    if sector.angle == 0.0 or response == 0.0:
+        return response
+    share = pattern_share(x, z, r, sector, pattern) if law == LIGHT else pattern_width(x, z, r, sector, pattern)
+    return response * share
 
 
 @inlined_uncounted
@@ -106,7 +110,6 @@ def _width_taken_in(x, r, sector):
 @inlined_uncounted
 def _azimuth_taken_in(x, r, sector):
     """Azimuth of the part of a sector inside the beam's cone: |sin φ| <= sin(w/2) / cos θ."""
-    # |sin φ| <= sin(w/2) / cos θ: docs/theory/beam.md
     return min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - arcsine(sector.s_low), 0.0), sector.angle)
 
 
@@ -116,17 +119,6 @@ def arcsine(s):
     tail = 0.0308918810 + s * (-0.0170881256 + s * (0.0066700901 - s * 0.0012624911))
     series = 1.5707963050 + s * (-0.2145988016 + s * (0.0889789874 + s * (-0.0501743046 + s * tail)))
     return 0.5 * math.pi - math.sqrt(1.0 - s) * series
-
-
-@inlined_uncounted
-def _pattern_weight(x, z, r, sector, pattern, law):
-    """Factor by which a plane's sector multiplies an echo, for a tabulated pattern and a fish that is not level."""
-    response = in_plane_response(x / r, z / r, sector, pattern)
-    if sector.angle == 0.0 or response == 0.0:
-        return response
-    if law == LIGHT:
-        return response * pattern_share(x, z, r, sector, pattern)
-    return response * pattern_width(x, z, r, sector, pattern)
 
 
 @kernel_uncounted
@@ -167,10 +159,8 @@ def is_whole_beam(sector):
 
 @inlined_uncounted
 def pair_response(weights, x, one, other, sector, pattern):
-    """Weight of a sector for sound out by one image and back by another, from those there and back by each.
-
-    Of each image x is the ground range, (rise, slant range) the place.
-    """
+    """Weight of a sector for sound out by one image and back by another, from those there and back by each."""
+    # Of each image x is the ground range, (rise, slant range) the place.
     # A top-hat that covers the lower of two images covers the higher one too.
     if not sector.tabulated:
         return weights[0]

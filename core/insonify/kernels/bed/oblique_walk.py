@@ -73,22 +73,9 @@ def _find_crossings(nu, periodic, spacing, u0, v0, eu, ev, start, end):
     from_behind, from_last = (v_start - behind) * step, (v_end - behind) * step - (count - 1)
     low, w0, rate = 0 if sense > 0 else -cells, sense * u0, abs(eu) / spacing
     return LineCrossings(
-        behind,
-        step,
-        sense,
-        count,
-        start,
-        end,
-        from_behind,
-        from_last,
-        x_behind,
-        per_line,
-        w0,
-        rate,
-        low,
-        cells,
+        behind, step, sense, count, start, end, from_behind, from_last, x_behind, per_line, w0, rate, low, cells,
         periodic,
-    )
+    )  # fmt: skip
 
 
 @inlined_uncounted
@@ -186,12 +173,8 @@ def _line_nodes(row, sense, cell):
     before, far, beyond = near - sense, near + sense, near + 2 * sense
     # One test serves all four: the outermost two lie on the row.
     if not (0 <= min(before, beyond) and max(before, beyond) < nu):
-        before, near, far, beyond = (
-            wrap_index(before, nu),
-            wrap_index(near, nu),
-            wrap_index(far, nu),
-            wrap_index(beyond, nu),
-        )
+        before, near = wrap_index(before, nu), wrap_index(near, nu)
+        far, beyond = wrap_index(far, nu), wrap_index(beyond, nu)
     return LineNodes(
         np.float64(row[np.uint64(before)]),
         np.float64(row[np.uint64(near)]),

@@ -31,15 +31,6 @@ class GridWalk(NamedTuple):
     ev: float
 
 
-class NodeSteps(NamedTuple):
-    """Places at which a plane passes the nodes of one strip, as linear functions of their number."""
-
-    x: float  # ground range at the first of them, m
-    dx: float  # and between neighbours
-    fu: float  # how far into the strip it is at the first, in cells
-    du: float
-
-
 @inlined_uncounted
 def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
     """Cut the bed with a vertical half-plane."""
@@ -108,7 +99,9 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
     fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
-    _place_knots(low, high, NodeSteps(x_behind, per_node, fu + x_behind * du, per_node * du), z0, spacing, x, z, across)
+    # Ground range, and how far into the strip the plane is, in cells: at the first node and from each to the next.
+    steps = x_behind, per_node, fu + x_behind * du, per_node * du
+    _place_knots(low, high, steps, z0, spacing, x, z, across)
     x[0], x[segments] = start, end
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
     z_end, across_end = _interpolate(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)

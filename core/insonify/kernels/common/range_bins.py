@@ -103,11 +103,9 @@ def spread_energy(bins, near, far, energy):
 
 @inlined_uncounted
 def tilt_density(bins, near, far, density, change):
-    """Turn an even density that has been deposited into a linear one of the same energy.
-
-    Up to a border between bins the integral of the linear density exceeds that of the even one by a parabola, which is
-    zero at both ends: so much is moved from the bin behind the border to the one before it.
-    """
+    """Turn an even density that has been deposited into a linear one of the same energy."""
+    # Up to a border between bins the integral of the linear density exceeds that of the even one by a parabola, which
+    # is zero at both ends: so much is moved from the bin behind the border to the one before it.
     gain, steps = 0.5 * density * change / (far - near), bins.steps
     for border in range(int(near) + 1, min(math.ceil(far), steps.size - 1)):
         moved = np.int64(gain * (border - near) * (border - far))
@@ -118,10 +116,7 @@ def tilt_density(bins, near, far, density, change):
 
 @inlined_uncounted
 def accumulate_bins(bins, factor, out):
-    """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array.
-
-    Weights interpolated in a table may be negative by rounding; intensities are never below zero.
-    """
+    """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array."""
     bins = bins.steps
     # Four stretches at once, each starting from the sum of those before it.
     quarter = out.size // 4
@@ -144,6 +139,7 @@ def accumulate_bins(bins, factor, out):
         d += bins[k]
         bins[k] = d
     for k in range(out.size):
+        # Weights interpolated in a table may be negative by rounding; intensities are never below zero.
         out[k] = max(bins[k], np.int64(0)) * (factor[k] * (1.0 / FIXED_POINT))
         bins[k] = 0
     bins[out.size :] = 0

@@ -201,11 +201,8 @@ def _incidence_power(diffuse, shininess, law, cos_squared, scale, energy):
 @inlined_uncounted
 def scatter_paired_segments(segments, material, reflectivity, mapped, law, facing, mirrored, scale, energy):
     """Energy of many segments between two directions: bistatic strength times a scale per segment."""
-    diffuse, specular, shininess = (
-        reflectivity[material[0], 0],
-        reflectivity[material[0], 1],
-        reflectivity[material[0], 2],
-    )
+    row = material[0]
+    diffuse, specular, shininess = reflectivity[row, 0], reflectivity[row, 1], reflectivity[row, 2]
     if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
         for i in range(segments):
             row = material[i]

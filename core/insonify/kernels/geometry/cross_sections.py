@@ -23,11 +23,9 @@ class HalfPlane(NamedTuple):
 
 
 class Conic(NamedTuple):
-    """Section of a quadric by a plane: products of the plane's directions e (azimuth), k (up) and of its centre c.
+    """Section of a quadric by a plane: products of the plane's directions e (azimuth), k (up) and of its centre c."""
 
-    All vectors are taken without their parts along the quadric's axis.
-    """
-
+    # All vectors are taken without their parts along the quadric's axis.
     ec: float  # e · c
     kc: float  # k · c
     ee: float  # e · e

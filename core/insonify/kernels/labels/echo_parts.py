@@ -234,11 +234,8 @@ def _list_targets(view, cells, count, n):
     """List the facets of the nearest target in every cell of the z-buffer; return the number of parts."""
     arrays, sector, parts = view.arrays, view.sector, view.parts
     profile, zbuffer = view.workspace.profile, view.workspace.zbuffer
-    bodies, bed = (
-        (arrays.solids, arrays.mesh, arrays.reflectivity),
-        BedHorizon(profile.x, profile.z, view.workspace.echoes.horizon, count),
-    )
-    knot = -1
+    bodies, knot = (arrays.solids, arrays.mesh, arrays.reflectivity), -1
+    bed = BedHorizon(profile.x, profile.z, view.workspace.echoes.horizon, count)
     for c in range(cells):
         if zbuffer.nearest[c] == NO_PRIMITIVE:
             continue

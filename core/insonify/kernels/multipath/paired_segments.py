@@ -68,17 +68,9 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, sin
     for i in range(knots):
         r[i] = 0.5 * (r_one[i] + r_other[i])
     _measure_pairs(knots, profile, one, pair, echoes)
-    scatter_paired_segments(
-        knots,
-        profile.material,
-        arrays.reflectivity,
-        arrays.bed.mapped,
-        pair.law,
-        echoes.cosines,
-        echoes.mirrored,
-        echoes.scale,
-        echoes.energy,
-    )
+    material, table, mapped = profile.material, arrays.reflectivity, arrays.bed.mapped
+    facing, mirrored, scale, energy = echoes.cosines, echoes.mirrored, echoes.scale, echoes.energy
+    scatter_paired_segments(knots, material, table, mapped, pair.law, facing, mirrored, scale, energy)
     rough = pair.rms_height > 0.0 or pair.slope_variance > 0.0
     _mark_parted(knots, profile.area, one, other, pair, hidden, sink.labelling and rough, echoes)
     echoes.energy[count - 1] = 0.0
@@ -127,10 +119,8 @@ def _measure_pairs(segments, profile, one, pair, echoes):
 
 @inlined_uncounted
 def _mark_parted(segments, area, one, other, pair, hidden, all_parted, echoes):
-    """Mark segments seen by both images that must be taken one by one; leave energy only to those seen whole.
-
-    Comparisons with NaN, a hole in the bed, are false.
-    """
+    """Mark segments seen by both images that must be taken one by one; leave energy only to those seen whole."""
+    # Comparisons with NaN, a hole in the bed, are false.
     launch, horizon, launch_other, horizon_other = one.launch, one.horizon, other.launch, other.horizon
     z, r, cut, energy, real = other.z, echoes.r, echoes.cut, echoes.energy, echoes.energy.dtype.type
     from_one, to_one, from_other, to_other = hidden

@@ -137,9 +137,14 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
     for of_image in range(2):
         beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)
         for k in range(fan.azimuth.size if alike and of_image == 1 else 0, beam.azimuth.size):
+            # Reaches per height in both fans; 0 in that of which the plane is not one.
             mixed = fan.reach[k] if of_image == 0 else 0.0
             mirrored = image_fan.reach[k] if alike or of_image == 1 else 0.0
-            reaches = _reaches(arrays, pairs, mixed, mirrored, height)
+            reaches = (
+                plane_reach(arrays, pairs[0], mixed, height),
+                plane_reach(arrays, pairs[1], mirrored, height),
+                plane_reach(arrays, pairs[2], mixed, height),
+            )
             add_image_plane(arrays, poses, ping, side, beam, k, pairs, reaches, workspace, sink)
     if arrays.multipath.surface_echo:
         add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
@@ -158,22 +163,9 @@ def _are_alike(fan, image_fan):
 
 
 @inlined_uncounted
-def _reaches(arrays, pairs, mixed, mirrored, height):
-    """Ground range to which a plane takes part in each path, m, from its reaches per height in both fans; 0 if none."""
-    by_surface, twice, by_bottom = pairs
-    return (
-        plane_reach(arrays, by_surface, mixed, height),
-        plane_reach(arrays, twice, mirrored, height),
-        plane_reach(arrays, by_bottom, mixed, height),
-    )
-
-
-@inlined_uncounted
 def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace, sink):
-    """Put the echoes by several pairs of images in plane k of a fan into a difference array.
-
-    They share the slice of the bed, and what an image sees of it and of the targets.
-    """
+    """Put the echoes by several pairs of images in plane k of a fan into a difference array."""
+    # They share the slice of the bed, and what an image sees of it and of the targets.
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
     near_field, height, profile = fan.near_field[k], max(plane.z - arrays.bed.low, LOWEST), workspace.profile
     farthest = max(reaches)
@@ -220,12 +212,10 @@ def _knots_within(x, count, reach):
 
 @inlined_uncounted
 def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
-    """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer.
-
-    Nothing beyond the reach of its paths returns an echo by them or hides one.
-    """
+    """Fill the profile and the z-buffer of targets of image k (0 the sonar); return the cells of the z-buffer."""
     seen, zbuffer, pattern = workspace.images[k], workspace.zbuffers[k], arrays.pattern
     x = workspace.profile.x
+    # Nothing beyond the reach of its paths returns an echo by them or hides one.
     count = _knots_within(x, count, reach)
     _view_profile(x, workspace.profile.z, padded_count(count), image, seen)
     # Without a pattern the weights of the lower image alone count; the bed's image is never the lower one.
@@ -340,11 +330,9 @@ def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
 
 @kernel_uncounted
 def add_surface_echo(arrays, poses, ping, side, echoes, sink):
-    """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
-
-    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of a
-    lamp in a mirror.
-    """
+    """Add the echo of the sea surface straight above: of an image source twice as far away as the surface."""
+    # It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of
+    # a lamp in a mirror.
     image = surface_image(arrays, poses.z[ping])
     depth, law = image.above, arrays.law
     if not 0.0 < depth < arrays.bins * arrays.bin_length:

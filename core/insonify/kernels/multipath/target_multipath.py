@@ -122,11 +122,9 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbu
 
 @inlined_uncounted
 def _cut_facet(facet, primitive, body, higher, knot):
-    """Part of a facet that the higher image sees, as law `light` needs it.
-
-    Light counts the slant range that a facet spans, most of which may lie where it turns away from the higher image;
-    law `sonar` counts its area, seen there at a vanishing cosine.
-    """
+    """Part of a facet that the higher image sees, as law `light` needs it."""
+    # Light counts the slant range that a facet spans, most of which may lie where it turns away from the higher image;
+    # law `sonar` counts its area, seen there at a vanishing cosine.
     # At a rim, where facets begin and end, one face would be taken for another.
     inside = INSIDE * (facet.high - facet.low)
     clear, hidden = facet.low + inside, facet.high - inside

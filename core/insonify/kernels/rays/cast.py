@@ -69,14 +69,11 @@ class RayEchoes(NamedTuple):
 
 
 class SideCast(NamedTuple):
-    """Refracted rays of one side at their hits, and their echoes.
-
-    Those of each ray come first, then those out by one ray and back by another, then those of dark sides of caustics.
-    """
+    """Refracted rays of one side at their hits, and their echoes."""
 
     rays: LandedRays
     mixed: MixedEchoes
-    echoes: RayEchoes
+    echoes: RayEchoes  # of each ray, then out by one ray and back by another, then of dark sides of caustics
 
 
 @kernel
@@ -138,10 +135,8 @@ def aim_refracted(arrays, beam, pitch, aim):
 
 @kernel
 def cast_refracted(arrays, beam, waveguide, aim, step):
-    """Refracted rays of one side at their hits, in the scene of the aim or the same without targets.
-
-    Rays that march, in steps if ``step`` is positive, have no mixed echoes.
-    """
+    """Refracted rays of one side at their hits, in the scene of the aim or the same without targets."""
+    # Rays that march, in steps if ``step`` is positive, have no mixed echoes.
     n = aim.launch.weight.size
     rays = LandedRays(empty_bundle(n), empty_hits(n), empty_arrivals(n))
     rotate_to_world(aim.launch, beam, rays.bundle)

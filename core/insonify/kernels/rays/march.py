@@ -80,7 +80,11 @@ def _surface_at(bed, solids, ray, distance, body):
     if body == NOTHING:
         return 0, 0.0, 0.0, 0.0
     if body == BED:
-        return _bed_surface(bed, ray, distance)
+        row, column, u, v = _cell_beneath(bed, ray, distance)
+        if row < 0:
+            return 0, 0.0, 0.0, 0.0
+        nx, ny, nz = cell_normal(load_cell(bed.heights, row, column), u, v, bed.spacing)
+        return np.int64(bed.materials[row, column]), nx, ny, nz
     nx, ny, nz = _body_normal(solids, body, ray, distance)
     return solids.material[body], nx, ny, nz
 
@@ -106,16 +110,6 @@ def _sample_numbers(ray, ceiling, reach, step):
     if ray.dz >= 0.0:
         return 1, 0
     return max(1, int(min((ceiling - ray.z) / ray.dz / step, last + 1.0))), last
-
-
-@inlined_before_typing
-def _bed_surface(bed, ray, distance):
-    """Material and normal of the bed below the point of a ray at a distance."""
-    row, column, u, v = _cell_beneath(bed, ray, distance)
-    if row < 0:
-        return 0, 0.0, 0.0, 0.0
-    nx, ny, nz = cell_normal(load_cell(bed.heights, row, column), u, v, bed.spacing)
-    return np.int64(bed.materials[row, column]), nx, ny, nz
 
 
 @inlined_before_typing

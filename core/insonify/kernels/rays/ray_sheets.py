@@ -241,11 +241,9 @@ def _send(arrays, beam, pitch, angle, place):
 
 @inlined
 def _azimuth(centre, extent, main, level, place):
-    """Azimuth of a place in [0, 1) within a beam with a pattern, and its derivative with respect to that place.
-
-    Half the places are in the main lobe, where that is less than half of the beam's extent; away from it they lie ever
-    farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
-    """
+    """Azimuth of a place in [0, 1) within a beam with a pattern, and its derivative with respect to that place."""
+    # Half the places are in the main lobe, where that is less than half of the beam's extent; away from it they lie
+    # ever farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
     low, high = max((centre - extent) / level, -1.0), min((centre + extent) / level, 1.0)
     if not low < high:
         return 0.0, 0.0
@@ -262,12 +260,10 @@ def _azimuth(centre, extent, main, level, place):
 
 @kernel
 def _spread_or_split(landed, together, solids, folds, arrays, sums):
-    """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
-
-    Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
-    between two neighbours even where their landings fit an even spread. So it does at a caustic, of water that
-    ``folds`` the bed.
-    """
+    """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved."""
+    # Each run of ``together`` rays is a row of neighbours. Surfaces below ``solids`` are round bodies: the echo changes
+    # between two neighbours even where their landings fit an even spread. So it does at a caustic, of water that
+    # ``folds`` the bed.
     n, bin_length, decay = landed.angle.size, arrays.bin_length, arrays.range_decay
     gaps, count = np.empty(n, np.int64), 0
     for k in range(n - 1):

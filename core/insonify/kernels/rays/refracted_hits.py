@@ -190,7 +190,8 @@ def _lay_chords(water, bundle, n, plane, level, zone, reach, march, chords, begi
                 chords = _enlarge(chords, count + pieces)
             if arc == begins.shape[0]:
                 begins = _enlarge(begins, arc + 1)
-            _keep_arc_start(begins, arc, ray)
+            begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
+            begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
             count = _write_chords(chords, count, arc, pieces, turn, whole, plane, zone, ray)
             arc += 1
         if status == RANGE or status == (HIGH if above else LOW) or after.time > latest:
@@ -246,13 +247,6 @@ def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
             chord += 1
         x, z, dx, dz = on_x, on_z, dx * c - dz * s, dz * c + dx * s
     return chord
-
-
-@inlined
-def _keep_arc_start(begins, arc, ray):
-    """Write the state of a ray at the start of an arc."""
-    begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
-    begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
 
 
 @inlined_uncounted

@@ -20,7 +20,6 @@ Theory: docs/theory/scattering.md.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -44,19 +43,6 @@ from insonify.kernels.rays.path_tracing import (
 
 CAUSTIC = 0.01  # least area of a tube, as a share of its area where nothing focuses it
 KNIFE = 0.5  # m, half the along-track width of a knife
-
-
-class PathHit(NamedTuple):
-    """One hit of one followed ray."""
-
-    ray: int
-    bounce: int
-    x: float
-    y: float
-    z: float
-    length: float
-    share: float
-    body: int
 
 
 @kernel
@@ -101,8 +87,9 @@ def follow_specular_paths(arrays, bundle, reach):
     real : ndarray, shape (5, hits)
         x, y, z and length of the path in metres, and its share of the energy.
     """
-    steps = [PathHit(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)]
-    steps.pop()
+    numbers, places = [(0, 0, 0)], [(0.0, 0.0, 0.0, 0.0, 0.0)]
+    numbers.pop()
+    places.pop()
     for k in range(bundle.x.size):
         waiting = [start_path(bundle, k)]
         while len(waiting) > 0:
@@ -111,13 +98,13 @@ def follow_specular_paths(arrays, bundle, reach):
             if meeting.body == NOTHING:
                 continue
             path = advance_to(arrays, path, meeting)
-            steps.append(PathHit(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
+            numbers.append((k, path.bounce, meeting.body))
+            places.append((path.x, path.y, path.z, path.length, path.share))
             split_path(arrays, path, meeting, reach, waiting)
-    whole, real = np.empty((3, len(steps)), np.int64), np.empty((5, len(steps)))
-    for n, step in enumerate(steps):
-        whole[0, n], whole[1, n], whole[2, n] = step.ray, step.bounce, step.body
-        real[0, n], real[1, n], real[2, n] = step.x, step.y, step.z
-        real[3, n], real[4, n] = step.length, step.share
+    whole, real = np.empty((3, len(numbers)), np.int64), np.empty((5, len(places)))
+    for n in range(len(numbers)):
+        whole[0, n], whole[1, n], whole[2, n] = numbers[n]
+        real[0, n], real[1, n], real[2, n], real[3, n], real[4, n] = places[n]
     return whole, real
 
 

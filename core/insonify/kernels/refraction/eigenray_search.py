@@ -89,8 +89,7 @@ def find_eigenrays(height, speed, span, edges, found):
                     if _brackets(span, a, middle):
                         count = _add_root(height, speed, span, order, a, middle, row, found, count)
                         count = _add_root(height, speed, span, order, middle, b, row, found, count)
-        for order in range(ORDERS):
-            _copy_row(rows[SAMPLES - 1, order], before[order])
+        before[:] = rows[SAMPLES - 1]
     return count
 
 
@@ -123,7 +122,9 @@ def _trace_crossings(height, speed, span, angle, rows):
         if status == arcs.NODE:
             continue
         if ray.z == span.z_to:
-            _keep_crossing(rows[order], ray, turns, tops, bottoms)
+            row = rows[order]
+            row[X], row[TIME], row[TUBE], row[COSINE], row[SINE] = ray.x, ray.time, ray.q, ray.cosine, ray.sine
+            row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
             order += 1
             if order == rows.shape[0] or ray.x > BEYOND * span.x:
                 return
@@ -139,21 +140,6 @@ def _trace_crossings(height, speed, span, angle, rows):
         if tops + bottoms > span.reflections:
             return
         ray = arcs.reflect_at_level(ray, arcs.gradient_behind(height, speed, ray))
-
-
-@inlined
-def _keep_crossing(row, ray, turns, tops, bottoms):
-    """Write the state of a ray at the target height."""
-    row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
-    row[COSINE], row[SINE] = ray.cosine, ray.sine
-    row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
-
-
-@inlined
-def _copy_row(given, taken):
-    """Copy the state of a ray."""
-    for column in range(COLUMNS):
-        taken[column] = given[column]
 
 
 @inlined
@@ -220,7 +206,7 @@ def _add_root(height, speed, span, order, a, b, row, found, count):
         angle, stride = guess, abs(guess - angle)
     if abs(row[order, X] - span.x) > _tolerated_miss(span):
         return count  # one of the two rays ends before, or never comes there
-    _copy_row(row[order], found[count])
+    found[count] = row[order]
     _correct_time(height, speed, span, found[count])
     return count + 1
 
@@ -243,7 +229,7 @@ def _tolerated_miss(span):
 def _add_critical_ray(height, speed, span, a, b, found, count):
     """Add the ray at a critical angle, if the target range lies between the nearly equal ones on its two sides."""
     if count < found.shape[0] and _brackets(span, a, b) and abs(a[X] - b[X]) < _tolerated_miss(span):
-        _copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
+        found[count] = a if abs(a[X] - span.x) < abs(b[X] - span.x) else b
         _correct_time(height, speed, span, found[count])
         return count + 1
     return count
@@ -259,8 +245,7 @@ def _add_level_ray(height, speed, span, found, count):
     pressed = span.z_from == span.high and arcs.gradient_above(height, speed, k - 1) < 0.0
     pressed = pressed or (span.z_from == span.low and arcs.gradient_above(height, speed, k) > 0.0)
     if g == 0.0 and not pressed:
-        for column in range(COLUMNS):
-            found[count, column] = 0.0
+        found[count] = 0.0
         found[count, X], found[count, TIME], found[count, COSINE] = span.x, span.x / ray.speed, 1.0
         found[count, TUBE] = span.x
         return count + 1
@@ -277,7 +262,7 @@ def _find_vertical_rays(height, speed, span, edges, found):
             _trace_crossings(height, speed, span, angle, rows)
             for row in rows:
                 if count < found.shape[0] and not math.isinf(row[X]):
-                    _copy_row(row, found[count])
+                    found[count] = row
                     count += 1
     return count
 

@@ -59,15 +59,6 @@ class CoherentSignal(NamedTuple):
     imaginary: NDArray[np.float64]
 
 
-class NodeGrid(NamedTuple):
-    """Where the nodes of the bed lie."""
-
-    x0: float
-    y0: float
-    spacing: float
-    periodic: bool
-
-
 class WaveScale(NamedTuple):
     """How a scatterer's slant range becomes a place and a phase of the signal."""
 
@@ -170,20 +161,16 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     bed, table, pattern = arrays.bed, arrays.reflectivity, arrays.pattern
     factor, decay = arrays.range_factor, arrays.range_decay
     heights, materials, real, imaginary = bed.heights, bed.materials, signal.real, signal.imaginary
-    borders, reach, edges, edge_count = (
-        visible_bed.borders,
-        visible_bed.reach,
-        visible_bed.edges,
-        visible_bed.edge_count,
-    )
-    grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _wave_scale(arrays, scatterers, pulse)
+    borders, reach, edges, edge_count = visible_bed
+    grid, waves = (bed.x0, bed.y0, bed.spacing, bed.periodic), _wave_scale(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
     none, corners = math.exp(-LOT), _beam_footprint(beam, bed.low, bed.high)
-    first, last = _lattice_rows(beam, corners, pitch)
-    for row in range(first, last):
-        begin, end = _lattice_columns(beam, corners, pitch, row)
-        for column in range(begin, end):
+    low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
+    for row in range(math.floor(low / pitch), math.floor(high / pitch) + 1):
+        low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
+        low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
+        for column in range(math.floor(low / pitch), math.floor(high / pitch) + 1):
             key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, np.int64(0))
             for member in range(_poisson(key, LOT, none)):
                 bits, more = _random_bits(key, member)
@@ -196,21 +183,6 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
                     # The lattice is level: on a slope a square of it carries more bed.
                     energy = _mean_energy(table, material, echo) / nz
                     _add_wave(energy, echo.r, more, waves, factor, decay, real, imaginary)
-
-
-@inlined
-def _lattice_rows(beam, corners, pitch):
-    """Rows of a lattice that a footprint meets within reach."""
-    low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
-    return math.floor(low / pitch), math.floor(high / pitch) + 1
-
-
-@inlined
-def _lattice_columns(beam, corners, pitch, row):
-    """Columns of a lattice that a footprint meets within reach, in one row."""
-    low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
-    low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
-    return math.floor(low / pitch), math.floor(high / pitch) + 1
 
 
 @inlined
@@ -231,10 +203,8 @@ def _beam_footprint(beam, lowest, highest):
 
 @inlined
 def _foremost(beam, sine, depth, across):
-    """Greatest distance ahead of bed inside the beam, at a distance across: a·cos p + z·sin p = s·√(x² + a² + z²).
-
-    The distance ahead is convex in the distance across, so that the chord over its ends encloses all between.
-    """
+    """Greatest distance ahead of bed inside the beam, at a distance across: a·cos p + z·sin p = s·√(x² + a² + z²)."""
+    # The distance ahead is convex in the distance across, so that the chord over its ends encloses all between.
     cos_pitch = math.sqrt(1.0 - beam.axis_z * beam.axis_z)
     s, tip = min(sine / cos_pitch, STEEPEST), abs(beam.axis_z) * depth / cos_pitch
     if s <= 0.0:
@@ -356,16 +326,17 @@ def _is_behind_targets(solids, mesh, near, beam, echo):
 @inlined
 def _bed_at(heights, materials, grid, x, y):
     """Height of the bed, its upward normal and its material; NaN where there is none."""
-    u, v = (x - grid.x0) / grid.spacing, (y - grid.y0) / grid.spacing
+    x0, y0, spacing, periodic = grid
+    u, v = (x - x0) / spacing, (y - y0) / spacing
     i, j = math.floor(u), math.floor(v)
     rows, columns = heights.shape
     inside = 0 <= i < columns - 1 and 0 <= j < rows - 1
     row, column = (j, i) if inside else (j % rows, i % columns)
     cell = load_cell(heights, row, column)
     u, v = u - i, v - j
-    nx, ny, nz = cell_normal(cell, u, v, grid.spacing)
+    nx, ny, nz = cell_normal(cell, u, v, spacing)
     height = cell.a + cell.b * u + (cell.c + cell.d * u) * v
-    return (height if inside or grid.periodic else math.nan), nx, ny, nz, materials[row, column]
+    return (height if inside or periodic else math.nan), nx, ny, nz, materials[row, column]
 
 
 @inlined

@@ -156,10 +156,7 @@ def deposit_facet(facet, bounds, gain, material, sector, pattern, law, bin_lengt
 
 @inlined_uncounted
 def span_of_sector(facet, bounds, sector, pattern):
-    """Slant ranges that a facet's tangent plane spans within its plane's sector, and those of its body, (least, most).
-
-    Derived in docs/theory/sweep.md.
-    """
+    """Slant ranges that a facet's tangent plane spans within its plane's sector, and those of its body."""
     width = sector_width(facet.centre * facet.cosine, facet.centre * facet.sine, facet.centre, sector, pattern)
     if not width > 0.0:
         return SectorSpan(0.0, bounds[0], bounds[1])
@@ -202,10 +199,7 @@ def half_energies(facet, weight, material, law, per_bin):
     """Energies of the two halves of a facet of one strength, in fixed-point units."""
     value = weight * backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
     if law == LIGHT:
-        return (
-            value * per_bin * abs(facet.centre - facet.near),
-            value * per_bin * abs(facet.far - facet.centre),
-        )
+        return value * per_bin * abs(facet.centre - facet.near), value * per_bin * abs(facet.far - facet.centre)
     # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
     half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
     return half, half

@@ -124,11 +124,9 @@ def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length,
 
 @inlined_uncounted
 def next_stretch(occlusion, segment, low, high, x_from, x_to):
-    """Launch angles and ground ranges between which targets leave the next stretch of a segment visible.
-
-    The search runs from the launch angle ``low`` at ``x_from`` to ``high`` at ``x_to``; targets hide what lies before
-    the stretch. A stretch that begins at ``high`` does not exist.
-    """
+    """Launch angles and ground ranges between which targets leave the next stretch of a segment visible."""
+    # The search runs from the launch angle ``low`` at ``x_from`` to ``high`` at ``x_to``; targets hide what lies before
+    # the stretch. A stretch that begins at ``high`` does not exist.
     opened, closed = next_visible(occlusion, segment, low, high)
     start = x_from if opened <= low else x_to
     if low < opened < high:

@@ -18,10 +18,8 @@ MOST_CHANGE = 1.9  # of a density that is positive at both ends: less than 2
 
 @inlined_uncounted
 def deposit_densities(count, echoes, bin_length, bins):
-    """Spread the energies of the segments of a profile over the range bins.
-
-    Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-    """
+    """Spread the energies of the segments of a profile over the range bins."""
+    # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     knots, last, steps = padded_count(count), bins.steps.size - 2.0, (echoes.early, echoes.late)
     _density_steps(knots, echoes.energy, echoes.early)
     _share_steps(knots, echoes.r, 1.0 / bin_length, last, bins.decay, steps, echoes.place)
@@ -38,10 +36,8 @@ def _density_steps(count, energy, change):
 
 @inlined_uncounted
 def _share_steps(count, r, per_bin, last, decay, steps, place):
-    """Share each step between the bin it falls in and the next.
-
-    Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
-    """
+    """Share each step between the bin it falls in and the next."""
+    # Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
     early, late = steps
     for i in range(count):
         position = r[i] * per_bin
@@ -65,10 +61,7 @@ def _add_even_steps(count, place, early, late, bins):
 
 @inlined_uncounted
 def fit_densities(segments, profile, plane, law, r, change):
-    """Relative change, from end to end, of the density of the echo of segments along an oblique plane.
-
-    Derived in docs/theory/sweep.md.
-    """
+    """Relative change, from end to end, of the density of the echo of segments along an oblique plane."""
     x, z, slope, area = profile.x, profile.z, profile.slope, profile.area
     gradient, twist = profile.gradient, profile.twist
     real, along_y = change.dtype.type, abs(plane.ey) >= abs(plane.ex)
@@ -93,12 +86,10 @@ def fit_densities(segments, profile, plane, law, r, change):
 
 @inlined_uncounted
 def deposit_linear_densities(count, echoes, bin_length, bins):
-    """Spread the energies of the segments of an oblique profile over the range bins, with densities linear in range.
-
-    Over a border between bins that lies within a segment a linear density moves energy from the bin behind it to the
-    one before it. What a knot's step and the first two borders of its segment add to four bins is worked out for all
-    knots at once; further borders, and those of segments that come nearer outwards, follow one by one.
-    """
+    """Spread the energies of the segments of an oblique profile over the range bins, with densities linear in range."""
+    # Over a border between bins that lies within a segment a linear density moves energy from the bin behind it to the
+    # one before it. What a knot's step and the first two borders of its segment add to four bins is worked out for all
+    # knots at once; further borders, and those of segments that come nearer outwards, follow one by one.
     r, energy, change, place = echoes.r, echoes.energy, echoes.change, echoes.place
     steps = echoes.early, echoes.late, echoes.third, echoes.fourth
     per_bin, last = 1.0 / bin_length, bins.steps.size - 2.0
@@ -112,10 +103,8 @@ def deposit_linear_densities(count, echoes, bin_length, bins):
 
 @inlined_uncounted
 def _work_out_steps(knots, r, energy, change, per_bin, last, decay, steps, place):
-    """Work out what each knot adds to its own bin and the next three, its segment's first two borders included.
-
-    Up to a border the integral of a linear density exceeds that of the even one by a parabola, zero at both ends.
-    """
+    """Work out what each knot adds to its own bin and the next three, its segment's first two borders included."""
+    # Up to a border the integral of a linear density exceeds that of the even one by a parabola, zero at both ends.
     early, late, third, fourth = steps
     real = energy.dtype.type
     nothing, half, one, two, none = real(0.0), real(0.5), real(1.0), real(2.0), np.int64(0)

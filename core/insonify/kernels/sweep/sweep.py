@@ -176,22 +176,12 @@ def aim_plane(arrays, poses, ping, side, fan, k, grid):
     # The fish's axis, and its own side and up, from heading, pitch (bow up) and roll (port up).
     cos_pitch, sin_pitch = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
     cos_roll, sin_roll = math.cos(poses.roll[ping]), abeam * math.sin(poses.roll[ping])
+    side_x, side_z = cos_roll * c - sin_roll * sin_pitch * s, sin_roll * cos_pitch
+    up_x, up_z = -cos_roll * sin_pitch * s - sin_roll * c, cos_roll * cos_pitch
     sector = AzimuthSector(
-        fan.s_low[k],
-        fan.s_high[k],
-        fan.angle[k],
-        fan.far_angle[k],
-        fan.near_field[k] * height,
-        math.sin(arrays.half_width),
-        2.0 * arrays.half_width,
-        arrays.pattern.tabulated,
-        grid.bent,
-        cos_pitch,
-        sin_pitch,
-        cos_roll * c - sin_roll * sin_pitch * s,
-        sin_roll * cos_pitch,
-        -cos_roll * sin_pitch * s - sin_roll * c,
-        cos_roll * cos_pitch,
-    )
+        fan.s_low[k], fan.s_high[k], fan.angle[k], fan.far_angle[k], fan.near_field[k] * height,
+        math.sin(arrays.half_width), 2.0 * arrays.half_width, arrays.pattern.tabulated, grid.bent,
+        cos_pitch, sin_pitch, side_x, side_z, up_x, up_z,
+    )  # fmt: skip
     plane = HalfPlane(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
     return plane, sector, grid.stretch * min(fan.reach[k] * height, arrays.bins * arrays.bin_length)

@@ -114,10 +114,8 @@ def launch_slopes(count, x, z, launch):
 
 @inlined_uncounted
 def running_horizon(count, launch, horizon):
-    """Greatest launch slope up to each knot: along four stretches side by side, each then raised to those before it.
-
-    NaN, a hole in the bed, compares false and hides nothing.
-    """
+    """Greatest launch slope up to each knot: along four stretches side by side, each then raised to those before it."""
+    # NaN, a hole in the bed, compares false and hides nothing.
     quarter = count // 4
     two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
     a = b = c = d = launch.dtype.type(NADIR)
@@ -144,12 +142,11 @@ def _raise_horizon(horizon, least):
 
 @inlined_uncounted
 def _measure_segments(segments, profile, echoes, law, bin_length):
-    """Incidence of segments, their energy per unit of strength, and marks of those too long for one density.
-
-    The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
-    `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are negative
-    where a segment comes nearer outwards. A segment is too long against its range, or near its perpendicular's foot.
-    """
+    """Incidence of segments, their energy per unit of strength, and marks of those too long for one density."""
+    # The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
+    # `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are
+    # negative where a segment comes nearer outwards. A segment is too long against its range, or near its
+    # perpendicular's foot.
     x, z, slope, area, r = profile.x, profile.z, profile.slope, profile.area, echoes.r
     cos_squared, scale, uneven = echoes.cos_squared, echoes.scale, echoes.cut
     real = scale.dtype.type
@@ -192,11 +189,8 @@ def _apply_weights(segments, weights, scale):
 
 @inlined_uncounted
 def _mark_cut(segments, launch, horizon, area, hidden_from, hidden_to, cut, energy):
-    """Mark visible segments that are uneven, rise above the horizon or may be hidden by a target; clear their energy.
-
-    Energy is left only to segments visible whole. Across a hole in the bed the area is NaN, which compares unequal to
-    itself.
-    """
+    """Mark visible segments that are uneven, rise above the horizon or may lie behind a target; clear their energy."""
+    # Energy is left only to segments visible whole. A hole in the bed has the area NaN, which is unequal to itself.
     real = launch.dtype.type
     hidden_from, hidden_to, nothing = real(hidden_from), real(hidden_to), real(0.0)
     for i in range(segments):

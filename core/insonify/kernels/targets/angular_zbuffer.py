@@ -235,10 +235,8 @@ def _cut_solids(solids, plane, reach, height, zbuffer):
 
 @kernel_on_demand(INTEGER)
 def _cut_mesh(mesh, first_body, plane, bent, reach, zbuffer, primitives):
-    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer.
-
-    Where sound is straight, triangles of closed bodies that face away are left out: others lie before them.
-    """
+    """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
+    # Where sound is straight, triangles of closed bodies that face away are left out: others lie before them.
     node = 0
     while node < mesh.skip.size:
         if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
@@ -401,12 +399,9 @@ def _find_nearest(solids, mesh, plane, bent, zbuffer, solid_primitives, primitiv
 
 @inlined_uncounted
 def _keep_nearer_body(p, body, first, count, zbuffer):
-    """Enter a body in the cells where it is nearer than their primitive: its distances along middles and edges.
-
-    Bodies have many cells and are met by all rays at once; triangles have few and are met ray by ray.
-
-    Rays that it need not meet are followed too, because all of them at once take less time than one by one.
-    """
+    """Enter a body in the cells where it is nearer than their primitive: its distances along middles and edges."""
+    # Bodies have many cells and are met by all rays at once; triangles have few and are met ray by ray. Rays that need
+    # not meet the body are followed too, because all of them at once take less time than one by one.
     edge, low, high = zbuffer.edge[first:], zbuffer.low[p], zbuffer.high[p]
     cosine, sine = zbuffer.cosine[first:], zbuffer.sine[first:]
     here, cos_incidence, leaning = zbuffer.rays[0], zbuffer.rays[1], zbuffer.rays[2]

@@ -48,21 +48,10 @@ def load_primitive(solids, mesh, plane, body, line, source):
         return Primitive(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, source)
     if source.bent:
         plane = plane_from_source(source, plane)
-    return Primitive(
-        solids.shape[body],
-        solids.start[body, 0] - plane.x,
-        solids.start[body, 1] - plane.y,
-        solids.start[body, 2] - plane.z,
-        solids.axis[body, 0],
-        solids.axis[body, 1],
-        solids.axis[body, 2],
-        solids.length[body],
-        solids.radius[body],
-        solids.taper[body],
-        plane.ex,
-        plane.ey,
-        source,
-    )
+    x, y, z = solids.start[body, 0] - plane.x, solids.start[body, 1] - plane.y, solids.start[body, 2] - plane.z
+    ax, ay, az = solids.axis[body, 0], solids.axis[body, 1], solids.axis[body, 2]
+    length, radius, taper = solids.length[body], solids.radius[body], solids.taper[body]
+    return Primitive(solids.shape[body], x, y, z, ax, ay, az, length, radius, taper, plane.ex, plane.ey, source)
 
 
 @inlined_uncounted
