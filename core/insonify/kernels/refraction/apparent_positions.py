@@ -88,11 +88,7 @@ def prepare_table(bending, z, table):
 @inlined
 def look_up_position(table, grid, x, z):
     """Entries of a table for a place, bilinear, clamped at the table's edges."""
-    u, v = x * grid.per_column, (z - grid.low) * grid.per_row
-    v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
-    u, v = min(u, grid.columns - 1.0), min(v, grid.rows - 1.0)
-    i, j = min(int(u), grid.columns - 2), min(int(v), grid.rows - 2)
-    fu, fv = np.float32(u - i), np.float32(v - j)
+    i, j, fu, fv = _locate_cell(grid, x, z)
     gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
     a, b, c, d = gu * gv, fu * gv, gu * fv, fu * fv
     level = a * table[j, i, LEVEL] + b * table[j, i + 1, LEVEL] + c * table[j + 1, i, LEVEL]
@@ -105,6 +101,16 @@ def look_up_position(table, grid, x, z):
         tube + d * table[j + 1, i + 1, TUBE],
         turn + d * table[j + 1, i + 1, TURN],
     )
+
+
+@inlined
+def _locate_cell(grid, x, z):
+    """Column and row of the cell of a place, and how far into it the place lies."""
+    u, v = x * grid.per_column, (z - grid.low) * grid.per_row
+    v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
+    u, v = min(u, grid.columns - 1.0), min(v, grid.rows - 1.0)
+    i, j = min(int(u), grid.columns - 2), min(int(v), grid.rows - 2)
+    return i, j, np.float32(u - i), np.float32(v - j)
 
 
 @kernel_on_demand(NOTHING)

@@ -53,6 +53,15 @@ def rays_apart(source, distance):
 
 
 @inlined_uncounted
+def _store_apparent_source(source, row):
+    """Store an apparent source in its row of the z-buffer."""
+    row[0], row[1] = source.launch_cosine, source.launch_sine
+    row[2], row[3] = source.arrival_cosine, source.arrival_sine
+    row[4], row[5], row[6], row[7] = source.opening, source.offset, source.gauge, source.gain
+    row[8], row[9], row[10] = source.level, source.source_x, source.source_z
+
+
+@inlined_uncounted
 def arrival_direction(source, c, s):
     """Direction in which a ray arrives at a primitive: tan ψ = opening · tan θ, from the middle ray's directions."""
     along = c * source.launch_cosine + s * source.launch_sine
@@ -111,11 +120,7 @@ def _keep_primitive(zbuffer, kept, body, source, low, high):
     if high - low <= SAME:
         return kept
     zbuffer.body[kept], zbuffer.low[kept], zbuffer.high[kept] = body, low, high
-    row = zbuffer.source[kept]
-    row[0], row[1] = source.launch_cosine, source.launch_sine
-    row[2], row[3] = source.arrival_cosine, source.arrival_sine
-    row[4], row[5], row[6], row[7] = source.opening, source.offset, source.gauge, source.gain
-    row[8], row[9], row[10] = source.level, source.source_x, source.source_z
+    _store_apparent_source(source, zbuffer.source[kept])
     return kept + 1
 
 
@@ -153,12 +158,22 @@ def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
     near_r, near_q = _wavefront(x - ahead * c, z - ahead * s, table, grid)
     far_r, far_q = _wavefront(x + ahead * c, z + ahead * s, table, grid)
     opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
-    away = (1.0 + tube) * r / opening  # radius of the wavefront: docs/theory/refraction.md
     gauge = (far_r - near_r) / (2.0 * ahead)
-    offset, level = near_r - gauge * (away - ahead), 1.0 + wide
-    gain, source_x, source_z = _energy_gain(level, 1.0 + tube, one_wide, loud), x - away * c, z - away * s
-    launch_c, launch_s = math.cos(launch), math.sin(launch)
-    return ApparentSource(True, launch_c, launch_s, c, s, opening, offset, gauge, gain, level, source_x, source_z)
+    away = (1.0 + tube) * r / opening  # radius of the wavefront: docs/theory/refraction.md
+    return ApparentSource(
+        True,
+        math.cos(launch),
+        math.sin(launch),
+        c,
+        s,
+        opening,
+        near_r - gauge * (away - ahead),
+        gauge,
+        _energy_gain(1.0 + wide, 1.0 + tube, one_wide, loud),
+        1.0 + wide,
+        x - away * c,
+        z - away * s,
+    )
 
 
 @inlined_uncounted
