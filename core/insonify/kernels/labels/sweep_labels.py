@@ -40,6 +40,7 @@ from insonify.kernels.sweep.facets import (
     widen,
 )
 from insonify.kernels.sweep.partial_segments import (
+    BedSegment,
     ground_range_at_slant,
     load_segment,
     nearest_ground_range,
@@ -101,6 +102,16 @@ class LabelledPings(NamedTuple):
     energy: NDArray[np.float32]  # (pings, 2, bins) of the greatest contributor, in units of all bins at that range
     traced: NDArray[np.float32]  # (pings, 2, bins) intensity, as the sweep and its multipath find it
     places: NDArray[np.int64]  # rows of all these that belong to the pings
+
+
+class LabelledSegment(NamedTuple):
+    """A segment of the bed and what its echo is labelled with."""
+
+    segment: BedSegment
+    contributor: int
+    range_ratio: float  # apparent ground range over the true one
+    law: int
+    bin_length: float
 
 
 @kernel
@@ -182,8 +193,11 @@ def label_bins(contributions, contributors, intensity, out, place, side):
         for k in range(intensity.size):
             is_echo = intensity[k] > 0.0 and own.strongest[k] >= 0.0
             if is_echo and (path[k] == NO_PATH or np.float32(own.energy[k]) > energy[k]):
-                target[k], material[k] = contributors.target[row], contributors.material[row]
-                path[k] = contributors.path[row]
+                target[k], material[k], path[k] = (
+                    contributors.target[row],
+                    contributors.material[row],
+                    contributors.path[row],
+                )
                 energy[k], ground_range[k], cosine[k] = own.energy[k], own.x[k], own.cosine[k]
     contributions.present[:] = False
 
@@ -195,13 +209,12 @@ def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches,
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
     material, weights, ratios = profile.material, echoes.weight, profile.range_ratio
-    law, bin_length = arrays.law, arrays.bin_length
     for k in range(list_marked(echoes.cut, count - 1, echoes.marked)):
         i = echoes.marked[k]
         segment = load_segment(i, x, z, slope, area, facing, material, weights, arrays.reflectivity, sector)
         ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
-        row = material[i]
-        open_contributor(contributions, row)
+        labelled = LabelledSegment(segment, material[i], ratio, arrays.law, arrays.bin_length)
+        open_contributor(contributions, material[i])
         risen = visible_from(segment, x[i], x[i + 1], echoes.launch[i], echoes.horizon[i])
         for s in range(split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)):
             hider, start, stop = stretches.hider[s], stretches.x_from[s], stretches.x_to[s]
@@ -209,8 +222,8 @@ def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches,
                 open_shadow(shadows, hider)
             if stretches.state[s] != BEHIND_BED:
                 foot = nearest_ground_range(segment, start, stop)
-                _note_stretch(contributions, shadows, segment, row, hider, ratio, start, foot, law, bin_length)
-                _note_stretch(contributions, shadows, segment, row, hider, ratio, foot, stop, law, bin_length)
+                _note_stretch(contributions, shadows, labelled, hider, start, foot)
+                _note_stretch(contributions, shadows, labelled, hider, foot, stop)
 
 
 @inlined_uncounted
@@ -236,10 +249,11 @@ def _note_whole_segments(profile, count, bent, echoes, per_bin, contributions):
 
 
 @kernel_uncounted
-def _note_stretch(contributions, shadows, segment, contributor, hider, range_ratio, x_from, x_to, law, bin_length):
+def _note_stretch(contributions, shadows, labelled, hider, x_from, x_to):
     """Note a stretch of a segment along which slant range grows or falls, each bin by what of it lies there."""
     if not x_to > x_from:
         return
+    segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
     one, other = slant_range(segment, x_from), slant_range(segment, x_to)
     near, far, outward = min(one, other), max(one, other), other >= one
     begin, per_bin, root = x_from if outward else x_to, 1.0 / bin_length, math.sqrt(segment.area)
@@ -253,7 +267,7 @@ def _note_stretch(contributions, shadows, segment, contributor, hider, range_rat
         energy *= FIXED_POINT * (segment.weight + segment.weight_rate * x)
         energy *= max(stop - start, 0.0) * per_bin if law == LIGHT else root * length
         if hider == NO_TARGET:
-            add_contribution(contributions, contributor, k, energy, x / range_ratio, cosine)
+            add_contribution(contributions, labelled.contributor, k, energy, x / labelled.range_ratio, cosine)
         else:
             shadows.energy[hider, k] += energy
         begin = end
