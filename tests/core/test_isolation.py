@@ -7,13 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from commands import run_python, wait_until
 from insonify import child_process
 from insonify.errors import SceneError
 from insonify.io import isolation
@@ -62,7 +62,7 @@ def fail(path: str) -> None:
 
 
 HOSTILE = ("json", "pickle", "queue", "threading")
-WITH_THIS_MODULE = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, Path(__file__).parents[:2]))}
+WITH_THIS_MODULE = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
 
 
 @pytest.fixture
@@ -141,6 +141,13 @@ def test_a_loop_ends_when_the_program_is_killed(file):
         wait_until(lambda: told.exists() and told.read_text().endswith("\n"))
         program.kill()
     wait_until(lambda: not Path(f"/proc/{int(told.read_text())}").exists())
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    limit = time.monotonic() + 120.0
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.02)
 
 
 def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):
@@ -227,6 +234,7 @@ def test_a_program_that_ends_leaves_no_process(file):
         "import sys; from insonify.io.isolation import run_isolated; from test_isolation import give\n"
         "print(run_isolated(give, sys.argv[1])['process'])"
     )
-    code, printed, complaint = run_python("-W", "error", "-c", lines, file, env=WITH_THIS_MODULE)
-    assert (code, complaint) == (0, "")
-    assert not Path(f"/proc/{int(printed)}").exists()
+    command = [sys.executable, "-W", "error", "-c", lines, file]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=WITH_THIS_MODULE)
+    assert done.stderr == ""
+    assert not Path(f"/proc/{int(done.stdout)}").exists()
