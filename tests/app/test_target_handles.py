@@ -199,7 +199,7 @@ def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_
     # A click into an echo chooses its target, which is turned, resized and dragged.
     finish(viewer, qtbot, viewer.open, one_box)
     handles = viewer.targets.handles
-    handles.choose(None)
+    assert handles.chosen is None, "of another scene"
     assert [handle.action for handle in handles._handles] == ["move"]
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)

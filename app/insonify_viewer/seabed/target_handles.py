@@ -37,6 +37,7 @@ class TargetHandles:
         self._begun: Place | None = None  # place under the mouse then
         self._origin: Simulation | None = None  # in which places of the record are found during a drag
         self._awaited: Mark | None = None  # point of the record whose target is chosen as soon as it is known
+        self._opened = session.opened  # scene of which a target may be chosen
         self.chosen: int | None = None
         waterfall.clicked.connect(self.choose_at)
         waterfall.handles.taken.connect(self._take)
@@ -55,6 +56,8 @@ class TargetHandles:
         """Show the handles of a scene that was traced."""
         if simulation is not self._simulation:
             self._simulation = simulation
+            if self._session.opened is not self._opened:
+                self._opened, self.chosen = self._session.opened, None
             if self._awaited is not None:
                 self.choose_at(self._awaited)
             self._show()
