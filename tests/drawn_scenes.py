@@ -16,6 +16,7 @@ from insonify.scene.seabed.materials.catalogue import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
 CELLS = (3, 200)  # of a period, and likewise of a range
+FARTHEST, FARTHEST_BENT = 1000, 300  # cells of a range; a ping may take 64,000 rays where water refracts
 MOST_RAYS_ON = 3  # bounces; every one may split a ray
 DENSEST = 40.0  # scatterers per m²
 # Kinds that are read from files, which a drawn scene has none of.
@@ -30,7 +31,8 @@ def scenes(draw: Draw) -> dict[str, Any]:
     values: dict[str, Any] = draw(declared(Scene))
     seabed, sonar, track = (values.setdefault(part, {}) for part in ("seabed", "sonar", "track"))
     spacing = seabed["spacing"] = draw(log_floats(0.05, 2.0))
-    reach = sonar["range"] = spacing * draw(st.integers(5, 5 * CELLS[1]))
+    uniform = values.get("water", {}).get("kind", "uniform") == "uniform"
+    reach = sonar["range"] = spacing * draw(st.integers(5, FARTHEST if uniform else FARTHEST_BENT))
     sonar["bins"] = draw(st.integers(1, 96))
     sonar["bounces"] = draw(st.integers(0, MOST_RAYS_ON)) if draw(one_in(6)) else 0
     track["pings"] = draw(st.integers(1, 3))
