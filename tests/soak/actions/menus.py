@@ -48,7 +48,8 @@ def work_beside(viewer: Viewer, random: Random) -> Steps:
         case 1:
             panel.measure_chart("accuracy", folder / "chart.png")
         case 2:
-            panel.make_dataset("mines", SCENES, folder / "set")
+            made = folder / "set"
+            viewer.jobs.begin("data set", ["dataset", "mines", "-o", str(made), "--scenes", str(SCENES)], made)
         case 3:
             panel.write_stability_page(folder / "stability.html")
     yield float(random.choice([20.0, 3000.0, 15_000.0]))
