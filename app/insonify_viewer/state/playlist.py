@@ -10,6 +10,7 @@ from typing import Any
 import tomli_w
 
 from insonify.display.display_options import DisplayOptions, display_settings, read_display
+from insonify.errors import located
 from insonify.io.atomic import write_text
 from insonify.io.file_access import guarded, read_text
 from insonify.scene import Scene, SceneError, edit, load_scene, scene_from_toml, scene_to_toml
@@ -54,14 +55,12 @@ def read_playlist(path: Path) -> dict[int, Preset]:
         raise SceneError(f"{path.name}: has no [[preset]]; add one with scene = a name, a file or the text of a scene")
     found: dict[int, Preset] = {}
     for number, entry in enumerate(entries, 1):
-        try:
+        with located(f"{path.name}: preset {number}: "):
             key = _read(entry, "key", int, number)
             if key not in KEYS or key in found:
                 taken = "belongs to an earlier preset" if key in found else "is not one of 1 to 9"
                 raise SceneError(f"key {key} {taken}; give each preset a key of its own, 1 to 9")
             found[key] = _preset(path, entry)
-        except SceneError as error:
-            raise SceneError(f"{path.name}: preset {number}: {error}") from None
     return found
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
+from insonify.errors import located
 from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
@@ -159,7 +160,7 @@ def draw_scene(
 ) -> DrawnScene:
     """Draw one scene of a data set; a given share takes the place of those that are drawn for its values."""
     draws = Draws(specification.seed, number, share_of_values)
-    try:
+    with located(f"scene {number}: "):
         changes: dict[str, Any] = {"seed": draws.seed("seed")}
         changes |= {path: draws.value(path, declared) for path, declared in specification.set.items()}
         scene = edit(base, changes)
@@ -170,8 +171,6 @@ def draw_scene(
         if is_negative and classes:
             kept = plain(scene)["targets"][: len(scene.targets) - len(classes)]
             scene, classes, views = edit(scene, {"targets": kept}), {}, [view._replace(target=None) for view in views]
-    except SceneError as error:
-        raise SceneError(f"scene {number}: {error}") from None
     split = split_of(specification.splits, number // specification.storage.scenes)
     return DrawnScene(number, scene, split, classes, draws, tuple(views))
 
