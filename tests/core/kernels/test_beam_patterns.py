@@ -106,9 +106,7 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_level_bed_is_the_sum_over_it(case, law):
     pattern, (pitch, roll) = CASES[case]
-    arrays = arrays_of(
-        FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5
-    )  # fmt: skip
+    arrays = arrays_of(FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5)
     record = rays.trace(arrays, poses_of(1.0, 2.0, HEIGHT, 0.3, pitch, roll), rays=1 << 16)[0]
     truth = level_bed(arrays, 0.3, pitch, roll)
     # A hard edge of the vertical beam falls within a bin, which the sum resolves to an eighth.
