@@ -244,17 +244,12 @@ def test_a_taper_lowers_the_sidelobes():
     assert hamming < 1e-3 * uniform
 
 
-def test_a_table_is_what_was_measured():
+def test_a_table_is_what_was_measured_which_a_one_way_beam_takes_once():
     levels = [[-90.0, -40.0], [-20.0, -10.0], [0.0, 0.0], [40.0, -6.0]]
-    found = responses({"kind": "table", "tilt": 25.0, "levels": levels})
+    table = {"kind": "table", "tilt": 25.0, "levels": levels}
+    twice, once = responses(table), responses(table, **BEAMS[False])
     one_way = np.interp(np.degrees(DOWN) - 25.0, *np.array(levels).T)
-    np.testing.assert_allclose(10.0 * np.log10(found), 2.0 * one_way, atol=0.02)
-
-
-def test_a_one_way_beam_takes_a_table_once():
-    levels = [[-90.0, -40.0], [90.0, 0.0]]
-    changes = {"sonar.beam": {"kind": "gaussian", "two_way": False}}
-    twice, once = (responses({"kind": "table", "levels": levels}, **c) for c in ({}, changes))
+    np.testing.assert_allclose(10.0 * np.log10(twice), 2.0 * one_way, atol=0.02)
     np.testing.assert_allclose(once**2, twice, rtol=1e-5)
 
 
@@ -263,7 +258,6 @@ def test_angles_out_of_order_are_refused():
         edit(load_scene("default"), {"sonar.vertical": {"kind": "table", "levels": [[10.0, 0.0], [0.0, 0.0]]}})
 
 
-GAUSSIAN = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
 BEAMS = {two_way: {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}} for two_way in (False, True)}
 ROLL = {"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
 
@@ -306,6 +300,6 @@ def test_a_top_hat_hears_what_is_within_it_and_nothing_else():
     ids=["one way", "two way", "rolled"],
 )
 def test_a_gaussian_weighs_a_level_bed_by_its_value(changes, passes, tilts):
-    shaded, plain, down = level_records(GAUSSIAN, changes)
+    shaded, plain, down = level_records({"kind": "gaussian", "width": 40.0, "tilt": 25.0}, changes)
     off = np.sin(down - np.radians(tilts)[:, None]) / math.sin(math.radians(20.0))
     np.testing.assert_allclose((shaded / plain)[:, 10:], 2.0 ** (-passes * off**2)[:, 10:], rtol=0.01)
