@@ -89,12 +89,6 @@ def test_the_sweep_of_water_that_folds_is_near_the_reference(half_width, limit):
     assert compare_records(arrays, poses, sweep.trace(arrays, poses, rays=4000), right).beyond < limit
 
 
-def test_no_record_depends_on_the_threads():
-    poses = poses_of(np.arange(20) * 0.3, 1.3, 8.0)
-    one, two = (ray_sheets.trace(CASES["bodies"], poses, sheets=4, rays=100, threads=threads) for threads in (1, 2))
-    np.testing.assert_array_equal(one, two)
-
-
 def test_what_cannot_be_traced_is_refused():
     with pytest.raises(SceneError, match="bounces"):
         ray_sheets.trace(CASES["fan"]._replace(bounces=1), POSES)

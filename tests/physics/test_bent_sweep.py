@@ -1,4 +1,4 @@
-"""The sweep through layered water: closed forms of one gradient, rays by brute force, targets, heave, folds."""
+"""The sweep through layered water: closed forms of one gradient, rays by brute force, targets, folds."""
 
 from functools import partial
 
@@ -223,16 +223,6 @@ def test_truth_tells_true_ground_ranges_and_incidences(name):
     assert (found <= edges[121:] + 1e-3).all()
     expected = 90.0 + np.degrees(np.interp(found, x, arrival))
     np.testing.assert_allclose(truth.incidence[0, 0, 120:], expected, atol=0.1)
-
-
-def test_a_heaving_ping_is_a_function_of_itself():
-    arrays = wet(arrays_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1), "thermocline")
-    heights = SONAR + 0.9 * np.sin(np.arange(40))
-    poses = poses_of(0.1 * np.arange(40), 0.0, heights)
-    whole = sweep.trace(arrays, poses)
-    for first, last in ((0, 7), (7, 40)):
-        part = type(poses)(*(column[first:last] for column in poses))
-        assert np.array_equal(sweep.trace(arrays, part, threads=1), whole[first:last])
 
 
 @pytest.mark.parametrize(("gradient", "limit"), [(5.0, 111.36), (0.5, 346.99)])
