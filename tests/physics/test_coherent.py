@@ -334,10 +334,8 @@ def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
             place = int(splitmix64(np.uint64(key ^ (member + 1))))
             wave = int(splitmix64(np.uint64(place)))
             dx, dy = (i + (place >> 32) / 2**32) * pitch - x, (j + (place % 2**32) / 2**32) * pitch - y
-            ahead, abeam = (
-                dx * math.cos(heading) + dy * math.sin(heading),
-                dy * math.cos(heading) - dx * math.sin(heading),
-            )
+            ahead = dx * math.cos(heading) + dy * math.sin(heading)
+            abeam = dy * math.cos(heading) - dx * math.sin(heading)
             r = math.sqrt(dx * dx + dy * dy + HEIGHT**2)
             k = int(r / BIN_LENGTH)
             if k < 160 and abs(ahead / r) <= math.sin(HALF_WIDTH):

@@ -33,9 +33,8 @@ SILENCE = np.zeros((1, 2, BINS), np.float32)
 def test_volume_reverberation_is_the_sonar_equation():
     # In the open: neither bed nor surface within range, so that Ψ is half a turn of the beam's sines.
     volume = {"kind": "volume", "volume_strength": -65.0}
-    record = record_of(SILENCE, altitude=100.0, depth=100.0, receiver__reverberation=volume, sonar__pulse=TONE)[
-        0, 0, 200:
-    ]
+    declared = {"receiver__reverberation": volume, "sonar__pulse": TONE}
+    record = record_of(SILENCE, altitude=100.0, depth=100.0, **declared)[0, 0, 200:]
     solid_angle = 2.0 * math.sin(0.5 * FAN) * math.pi
     level = -65.0 + decibels(solid_angle * R[200:] ** 2 * 0.15) - 40.0 * np.log10(R[200:])
     # The pulse holds echoes of the 15 cm nearer, 7.5 cm on the average, where spreading is a little less.
