@@ -64,13 +64,10 @@ def farthest(trace):
     return angles[int(np.argmax(ranges))], max(ranges)
 
 
-def test_the_caustic_of_n2_linear_water_is_where_it_is_printed():
+def test_layers_put_the_caustic_where_n2_linear_water_has_it_as_printed():
     assert n2_linear(LAUNCH, RECEIVER)[0] == pytest.approx(CAUSTIC, abs=1e-6)
     assert n2_linear(LAUNCH, RECEIVER)[2] == pytest.approx(0.0, abs=1e-3)
     assert farthest(lambda angle: n2_linear(angle, RECEIVER))[1] == pytest.approx(CAUSTIC, rel=1e-7)
-
-
-def test_layers_put_the_caustic_where_n2_linear_water_has_it():
     misses = []
     for count in (121, 481, 1921):
         water = cut(count)

@@ -125,10 +125,7 @@ BEAMS = {
     "knife": {},
     "fan": {"half_width": 0.02},
     "light": {"law": LIGHT},
-    "pattern": {
-        "half_width": 0.02,
-        "pattern": gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=0.5, vertical_width=1.2),
-    },
+    "pattern": {"half_width": 0.02, "pattern": gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=0.5, vertical_width=1.2)},
     "one way": {"half_width": 0.02, "pattern": gaussian_pattern(0.03, two_way=False, near_width=0.06)},
 }
 
