@@ -8,7 +8,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.kernels.beam.pattern import vertical_responses
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
@@ -251,11 +251,6 @@ def test_a_table_is_what_was_measured_which_a_one_way_beam_takes_once():
     one_way = np.interp(np.degrees(DOWN) - 25.0, *np.array(levels).T)
     np.testing.assert_allclose(10.0 * np.log10(twice), 2.0 * one_way, atol=0.02)
     np.testing.assert_allclose(once**2, twice, rtol=1e-5)
-
-
-def test_angles_out_of_order_are_refused():
-    with pytest.raises(SceneError, match=r"^sonar\.vertical\.levels.* increasing angle"):
-        edit(load_scene("default"), {"sonar.vertical": {"kind": "table", "levels": [[10.0, 0.0], [0.0, 0.0]]}})
 
 
 BEAMS = {two_way: {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}} for two_way in (False, True)}
