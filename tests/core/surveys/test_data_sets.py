@@ -121,8 +121,8 @@ def test_run_lengths_give_the_region_back():
     assert describe_region(np.zeros((4, 4), bool)) is None
 
 
-def test_every_image_has_its_mask_and_its_labels(small):
-    lines = metadata(small)
+def test_every_image_has_its_mask_and_labels_and_one_split_that_of_its_scene(small):
+    lines, of_scene = metadata(small), {}
     assert len(lines) > 20
     for line in lines:
         path = small / line["file_name"]
@@ -131,6 +131,16 @@ def test_every_image_has_its_mask_and_its_labels(small):
         assert image.dtype == mask.dtype == np.uint8
         labels = (small / line["file_name"].replace("/images/", "/labels/")).with_suffix(".txt").read_text()
         assert len(labels.splitlines()) == len(line["targets"])
+        assert line["file_name"].startswith(f"{line['split']}/")
+        of_scene.setdefault(line["scene"], set()).add(line["split"])
+        assert line["hash"]
+        assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
+    assert all(len(splits) == 1 for splits in of_scene.values())
+    train, test = (
+        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
+        for split in ("train", "test")
+    )
+    assert train.isdisjoint(test)
 
 
 def test_annotations_are_those_of_the_simulation_by_truth(small):
@@ -151,7 +161,7 @@ def test_annotations_are_those_of_the_simulation_by_truth(small):
                 assert [first, first + height - 1, near, near + width - 1] == whole.tolist()
 
 
-def test_masks_and_coco_tell_the_same(small):
+def test_masks_yolo_and_coco_agree(small):
     coco = json.loads((small / "train" / "coco-echo.json").read_text())
     names = {category["id"]: category["name"] for category in coco["categories"]}
     assert list(names.values()) == ["drum", "rock"]
@@ -166,24 +176,6 @@ def test_masks_and_coco_tell_the_same(small):
     shadows = json.loads((small / "train" / "coco-shadow.json").read_text())["annotations"]
     dark = pixels(small / images[shadows[0]["image_id"]]["file_name"].replace("/images/", "/masks/"))
     assert (dark[decoded(shadows[0]["segmentation"])] >= SHADOW).all()
-
-
-def test_every_image_is_in_one_split_and_no_scene_in_two(small):
-    of_scene: dict[int, set[str]] = {}
-    for line in metadata(small):
-        assert line["file_name"].startswith(f"{line['split']}/")
-        of_scene.setdefault(line["scene"], set()).add(line["split"])
-        assert line["hash"]
-        assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
-    assert all(len(splits) == 1 for splits in of_scene.values())
-    train, test = (
-        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
-        for split in ("train", "test")
-    )
-    assert train.isdisjoint(test)
-
-
-def test_yolo_boxes_are_those_of_coco(small):
     coco = json.loads((small / "train" / "coco-both.json").read_text())
     image = next(one for one in coco["images"] if one["id"] == coco["annotations"][0]["image_id"])
     x, y, width, height = coco["annotations"][0]["bbox"]
@@ -193,12 +185,9 @@ def test_yolo_boxes_are_those_of_coco(small):
     assert "val: validation/images" in (small / "data.yaml").read_text()
 
 
-def test_pictures_of_the_whole_are_there(small):
+def test_pictures_a_datasheet_and_checksums_show_what_the_set_holds(small):
     for name in ("contact-sheet.png", "class-balance.png"):
         assert min(pixels(small / name).shape[:2]) > 200
-
-
-def test_a_datasheet_and_checksums_tell_what_the_set_holds(small):
     sheet, lines = (small / "datasheet.md").read_text(), metadata(small)
     assert f"{len(lines)} images of 8 scenes" in sheet
     train = [line for line in lines if line["split"] == "train"]
