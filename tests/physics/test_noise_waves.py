@@ -10,7 +10,7 @@ from scipy import special
 from insonify.receiver import Reception, receive
 from insonify.receiver.water_column import WaterColumn
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate
+from insonify.simulation import simulate
 from receptions import RAYLEIGH, correlation, reception, variation
 
 PINGS, BINS = 500, 200
@@ -205,18 +205,3 @@ def test_scatterers_interfere_with_noise(bins, ratio):
     assert variation(record / total) == pytest.approx(still, abs=0.015)
     if bins == 1000:
         assert still == pytest.approx(RAYLEIGH, abs=0.015)
-
-
-def test_scatterers_and_reverberation_take_each_block_alike():
-    changes = {
-        "receiver.noise": {"kind": "ambient", "level": -100.0},
-        "receiver.reverberation": "volume",
-        "receiver.crosstalk": -10.0,
-        "receiver.fluctuation": {"kind": "lognormal", "travel_time": 1e-4},
-        "track.speed": 2.0,
-    }
-    simulation = prepare(edit(load_scene("default"), COHERENT | changes))
-    pings = np.arange(12)
-    whole = simulation.intensity(pings)
-    np.testing.assert_array_equal(simulation.intensity(pings[5:8]), whole[5:8])
-    np.testing.assert_array_equal(simulation.intensity(pings[::-1]), whole[::-1])

@@ -86,14 +86,6 @@ def test_their_speckle_is_rayleigh_s():
     assert energy.mean() == pytest.approx(1.0, abs=0.04)
 
 
-def test_every_ping_is_a_function_of_its_number():
-    simulation = prepare(scene(SCHOOL, PLUME, receiver__speckle="rayleigh", receiver__noise="ambient"))
-    pings = np.arange(40, 70)
-    whole = simulation.intensity(pings)
-    np.testing.assert_array_equal(simulation.intensity(pings[::-1]), whole[::-1])
-    np.testing.assert_array_equal(simulation.intensity(pings[5:8]), whole[5:8])
-
-
 def test_they_are_written_edited_and_refused():
     declared = scene(SCHOOL, PLUME)
     assert scene_from_toml(scene_to_toml(declared)) == declared
