@@ -9,7 +9,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 from scipy.special import airy
 
 import insonify
@@ -20,7 +19,7 @@ from insonify.kernels.common.types import SONAR
 from insonify.kernels.rays.caustics import AIRY_SQUARES, FAR, OCTAVE, STEPS, airy_field
 from insonify.kernels.refraction.arcs import HIGH, LOW
 from insonify.kernels.refraction.eigenrays import follow_to_range
-from insonify.scene.water import AnyWater
+from insonify.scene.water.layered import ProfileWater
 from insonify.tracers import ray_sheets
 from water import layers, shot, water_of
 
@@ -101,8 +100,7 @@ def test_the_tube_through_fine_layers_is_that_of_n2_linear_water_until_rays_turn
 def test_a_gradient_above_even_water_sends_a_caustic_back_to_the_sources_depth():
     """There x = 2h/tanθ + 2 tanθ c/g is shortest: at tan²θ = hg/c."""
     h, g = 5.0, 2.0
-    fields = {"kind": "profile", "depth": [0, 10, 20, 60], "sound_speed": [1520, 1520, 1500, 1500]}
-    water = TypeAdapter(AnyWater).validate_python(fields)
+    water = ProfileWater(depth=[0, 10, 20, 60], sound_speed=[1520, 1520, 1500, 1500])
     angle = -math.degrees(math.atan(math.sqrt(h * g / 1500.0)))
     found = insonify.caustics(water, 25.0, [angle, 5.0], max_range=1000.0, bottom=60.0)
     np.testing.assert_allclose(found.range, [4.0 * math.sqrt(h * 1500.0 / g)], rtol=1e-12)
@@ -115,8 +113,7 @@ def test_a_gradient_above_even_water_sends_a_caustic_back_to_the_sources_depth()
 
 
 def test_many_caustics_are_all_found():
-    fields = {"kind": "profile", "depth": [0, 30, 60], "sound_speed": [1530, 1500, 1530]}
-    water = TypeAdapter(AnyWater).validate_python(fields)
+    water = ProfileWater(depth=[0, 30, 60], sound_speed=[1530, 1500, 1530])
     angles = -np.linspace(0.5, 10.0, 40)
     found = insonify.caustics(water, 25.0, angles, max_range=5000.0)
     paths = insonify.ray_paths(water, 25.0, angles, max_range=5000.0, ranges=np.linspace(1.0, 5000.0, 20_000))
