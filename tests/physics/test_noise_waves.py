@@ -58,14 +58,9 @@ SPECKLES = {  # kinds, and what noise makes of their moments
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("speckle", SPECKLES)
 def test_noise_adds_before_detection(speckle, ratio):
-    noise = 10.0 ** (ratio / 10.0)
-    record = receive(
-        ready(speckle, receiver__noise={"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}),
-        even(),
-        np.arange(PINGS),
-    ).astype(float)
-    record /= ECHO
-    amplitude, energy = SPECKLES[speckle][1](noise)
+    noise = {"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}
+    record = receive(ready(speckle, receiver__noise=noise), even(), np.arange(PINGS)).astype(float) / ECHO
+    amplitude, energy = SPECKLES[speckle][1](10.0 ** (ratio / 10.0))
     n = record.size
     assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(n))
     wanted = math.sqrt(energy / amplitude**2 - 1.0)

@@ -94,11 +94,8 @@ def test_both_are_the_sum_of_the_two():
 
 @pytest.mark.parametrize("source_level", [0.0, 220.0])
 def test_noise_is_exponential_about_its_level_whatever_the_source(source_level):
-    record = record_of(
-        np.zeros((200, 2, BINS), np.float32),
-        receiver__noise={"kind": "ambient", "level": 55.0},
-        receiver__source_level=source_level,
-    ).astype(float)
+    silence, noise = np.zeros((200, 2, BINS), np.float32), {"kind": "ambient", "level": 55.0}
+    record = record_of(silence, receiver__noise=noise, receiver__source_level=source_level).astype(float)
     n = record.size / (1.0 + 2.0 / 9.0)
     assert decibels(record.mean()) == pytest.approx(55.0, abs=3.0 * decibels(math.e) / math.sqrt(n))
     assert record.std() / record.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / n))

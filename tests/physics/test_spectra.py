@@ -61,9 +61,8 @@ def test_model_3_falls_with_its_own_exponent_along_each_axis(decay):
 
 
 def test_model_3_row_and_column_slopes_of_the_heights_are_2_4_and_3_2():
-    power = measured_power(
-        unmasked_heights(Fractal(beta_x=1.2, beta_y=1.6, decay="separable"), (256, 256), (256, 256), 1)
-    )
+    fractal = Fractal(beta_x=1.2, beta_y=1.6, decay="separable")
+    power = measured_power(unmasked_heights(fractal, (256, 256), (256, 256), 1))
     waves = np.log(np.arange(4, 127))
     rows, columns = power[1:127, 4:127].sum(axis=0), power[4:127, 1:127].sum(axis=1)
     assert np.polyfit(waves, np.log(rows), 1)[0] == pytest.approx(-2.4, abs=1e-6)
@@ -157,7 +156,6 @@ def test_peaks_combine_by_mean_square_or_by_the_larger():
 
 
 def test_an_exponent_needs_waves():
-    with pytest.raises(
-        SceneError, match=r"^heights: \(32, 64\) samples hold too few waves .*; give at least 40 a side$"
-    ):
+    sentence = r"^heights: \(32, 64\) samples hold too few waves .*; give at least 40 a side$"
+    with pytest.raises(SceneError, match=sentence):
         amplitude_exponent(np.zeros((32, 64)))

@@ -18,7 +18,7 @@ from sea_surfaces import bright_ball, image_heights, naive_ghost, naive_level_gh
 ALTITUDE, DEPTH = 20.0, 30.0
 FLAT = np.zeros((4, 4))
 BOTTOM_WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom")
-TRACERS = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=20_000)}
+TRACERS = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=20_000)}
 
 
 def ghost(trace, arrays, poses, surface, *ways, **options):
@@ -274,17 +274,17 @@ def test_a_sea_with_every_way_closed_is_none(trace):
     np.testing.assert_array_equal(trace(under_sea(arrays, 13.0), poses), trace(arrays, poses))
 
 
-@pytest.mark.parametrize("tracer", ["sweep", "rays"])
+@pytest.mark.parametrize(
+    ("trace", "noise"), [(sweep.trace, 2e-3), (partial(rays.trace, rays=1 << 18), 0.03)], ids=["sweep", "rays"]
+)
 @pytest.mark.parametrize("way", BOTTOM_WAYS)
-def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, tracer):
+def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, trace, noise):
     """A record that ends where a path begins is the beginning of a longer one, and the sea's waves are in both."""
     first = {"surface_bottom": 50.0, "surface_bottom_surface": 80.0, "second_bottom": 70.0}[way]
-    trace = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 18)}[tracer]
     options = {"periodic": True, "bin_length": 0.1, "half_width": math.radians(0.5)}
     scenes = (arrays_of(FLAT, 0.1, bins=round(end / 0.1), **options) for end in (first + 0.1, first + 10.0))
     pose, surface = poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH
     short, long = (ghost(trace, arrays, pose, surface, way, wind_speed=4.0)[0, 0] for arrays in scenes)
-    noise = 2e-3 if tracer == "sweep" else 0.03
     np.testing.assert_allclose(short, long[: short.size], rtol=noise, atol=noise * short.max())
 
 
@@ -315,8 +315,7 @@ def test_a_squinting_beam_takes_in_what_every_azimuth_does(way, squint, law):
         return response
 
     right = naive_level_ghost(arrays, respond, 10.0, 12.0, way, turned)
-    traces = [lambda arrays, poses, planes=planes: sweep.trace(arrays, poses, planes=planes) for planes in (1, 256)]
-    traces.append(lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 17))
+    traces = *(partial(sweep.trace, planes=planes) for planes in (1, 256)), partial(rays.trace, rays=1 << 17)
     for trace, bound, bias in zip(traces, (0.012, 0.01, 0.05), (5e-4, 2e-3, 2e-3)):
         record = ghost(trace, arrays, poses_of(0.0, 0.0, 10.0), 22.0, way)[0, 0]
         assert np.linalg.norm(record - right) < bound * np.linalg.norm(right)

@@ -76,10 +76,8 @@ def test_they_lie_where_they_are():
 
 
 def test_their_speckle_is_rayleigh_s():
-    dense = record(
-        SCHOOL | {"length": 60.0, "position": [10.0, 15.0, -25.0]}, receiver__speckle="rayleigh", track__speed=5.0
-    )
-    mean = record(SCHOOL | {"length": 60.0, "position": [10.0, 15.0, -25.0]}, track__speed=5.0)
+    school = SCHOOL | {"length": 60.0}
+    dense, mean = record(school, receiver__speckle="rayleigh", track__speed=5.0), record(school, track__speed=5.0)
     inside = mean[0] > 0.2 * mean[0].max()
     energy = dense[0][inside] / mean[0][inside]
     assert variation(energy) == pytest.approx(RAYLEIGH, abs=0.02)

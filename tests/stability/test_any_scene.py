@@ -94,14 +94,10 @@ def most_steps(scene: Scene, plan: Plan) -> float:
     knots = KNOTS_PER_CELL * cells_along(scene) + 64.0
     rays = float(plan.settings.get("rays", 0)) * 2.0 ** min(sonar.bounces, 16)
     lines = MOST_PLANES if plan.method == "sweep" else 0
-    cut = lines * PER_TRIANGLE * _triangles(scene) * (1.0 + len(plan.model.ways))
+    triangles = sum(len(read_mesh(target.path)) for target in scene.targets if target.kind == "mesh")
+    cut = lines * PER_TRIANGLE * triangles * (1.0 + len(plan.model.ways))  # ghosts meet them again
     bins = sonar.bins * (1.0 + pulse_bins(scene))
     return 100.0 * _grid(scene) + 2.0 * pings * ((lines + rays) * (knots + 100.0) + cut + bins) + _waves(scene)
-
-
-def _triangles(scene: Scene) -> int:
-    """Triangles of all meshes, each of which planes cut and ghosts meet again."""
-    return sum(len(read_mesh(target.path)) for target in scene.targets if target.kind == "mesh")
 
 
 def check(values: dict[str, Any]) -> None:

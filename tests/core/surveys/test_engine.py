@@ -44,13 +44,8 @@ def scheduler():
     """Address of a scheduler with two workers, as that of a cluster would be."""
     from distributed import LocalCluster
 
-    with LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        dashboard_address="localhost:0",
-        silence_logs=50,
-        worker_dashboard_address="localhost:0",
-    ) as cluster:
+    pages = dict.fromkeys(("dashboard_address", "worker_dashboard_address"), "localhost:0")
+    with LocalCluster(n_workers=2, threads_per_worker=1, silence_logs=50, **pages) as cluster:
         yield cluster.scheduler_address
 
 
