@@ -83,10 +83,8 @@ def test_the_near_field_is_the_integral_over_the_array(taper, quarter):
 
 
 def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
-    beam = LineArray(length=LENGTH, two_way=False)
-    first_range, extent, energy, per_octave = beam.tabulate(
-        BeamConditions(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH)
-    )
+    far_off = BeamConditions(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH)
+    first_range, extent, energy, per_octave = LineArray(length=LENGTH, two_way=False).tabulate(far_off)
     ranges = first_range * 2.0 ** (np.arange(extent.size) / per_octave)
     ranges, extent, energy = (column[:: round(per_octave / 4.0)] for column in (ranges, extent, energy))
     cells = [r * width_at_half(e, b) for r, e, b in zip(ranges, extent, energy, strict=True)]
@@ -102,9 +100,8 @@ def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
 @pytest.mark.parametrize("taper", ["uniform", "cosine", "hamming", "taylor"])
 def test_curvature_moves_energy_and_makes_none(taper):
     # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
-    _, extent, energy, _ = LineArray(length=LENGTH, taper=taper, two_way=False).tabulate(
-        BeamConditions(WAVELENGTH, 1.0, 200.0)
-    )
+    beam = LineArray(length=LENGTH, taper=taper, two_way=False)
+    _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 200.0))
     whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
     weights = taper_weights(taper)
     expected = WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2

@@ -121,17 +121,14 @@ def test_many_caustics_are_all_found():
     assert found.sizes["caustic"] == changes > 256
 
 
-def test_the_airy_form_is_exact_where_sound_is_an_airy_function():
+def test_the_airy_form_is_exact_where_sound_is_an_airy_function_and_two_waves_far_from_the_caustic():
     """∫exp i(s³/3 − ρs) ds = 2π Ai(−ρ): its two rays have the amplitude √π ρ^−¼ and are 4ρ^{3/2}/3 apart in phase."""
     rho, frequency = np.array([1e-6, 0.3, 1.0, 1.7, 30.0]), 100e3
     delay = 4.0 / 3.0 * rho**1.5 / (2.0 * math.pi * frequency)
     amplitude = math.sqrt(math.pi) * rho**-0.25
     pressure = airy_pressure(frequency, (0.0, delay), (amplitude, amplitude))
     np.testing.assert_allclose(pressure, 2.0 * math.pi * np.abs(airy(-rho)[0]), rtol=1e-4)
-
-
-def test_far_from_the_caustic_the_airy_form_is_two_waves():
-    frequency, delay = 100e3, np.linspace(2e-3, 2.01e-3, 50)
+    delay = np.linspace(2e-3, 2.01e-3, 50)
     pressure = airy_pressure(frequency, (0.0, delay), (1.0, 0.4))
     # The ray that has touched the caustic is a quarter of a turn ahead.
     waves = np.abs(1.0 + 0.4 * np.exp(1j * (2.0 * math.pi * frequency * delay - math.pi / 2.0)))

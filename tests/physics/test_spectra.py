@@ -139,14 +139,11 @@ def test_a_seabed_of_another_spacing_differs_by_one_factor():
     np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-10)
 
 
-def test_four_quadrants_mirror_every_peak():
+def test_four_quadrants_mirror_every_peak_and_peaks_combine_by_mean_square_or_by_the_larger():
     power = power_spectrum(Fractal(peaks=((8.0, 4.0),), quadrants=4), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
     assert power[0] == pytest.approx(power[1], rel=1e-12)
     alone = power_spectrum(Fractal(peaks=((8.0, 4.0),)), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
     assert alone[1] < 0.01 * alone[0]
-
-
-def test_peaks_combine_by_mean_square_or_by_the_larger():
     peaks = ((8.0, 4.0), (20.0, 10.0))
     place = np.array([13.0]), np.array([-2.0])
     each = [(13 - s * x) ** 2 + (-2 - s * y) ** 2 for x, y in peaks for s in (1, -1)]

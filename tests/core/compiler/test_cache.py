@@ -177,13 +177,9 @@ class Poison:
 
 
 @owned
-def test_the_folder_is_made_for_this_user_alone(made):
-    assert (made / "insonify" / "kernels").stat().st_mode & 0o777 == 0o700
-
-
-@owned
-def test_a_folder_to_which_others_may_write_is_not_used(cache):
+def test_the_folder_is_made_for_this_user_alone_and_not_used_where_others_may_write_to_it(cache):
     folder = cache / "insonify" / "kernels"
+    assert folder.stat().st_mode & 0o777 == 0o700
     for place in (folder, folder.parent, cache):
         place.chmod(0o777)
         with pytest.warns(CacheWarning, match=f"other users may write to {re.escape(str(place))};"):

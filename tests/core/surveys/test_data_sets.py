@@ -388,14 +388,11 @@ def test_one_new_class_adds_a_distribution():
         assert distribution(draw="triangular").quantile(0.25) == 0.5
 
 
-def test_draws_are_independent_of_one_another_and_even():
+def test_draws_are_independent_of_one_another_even_and_recorded():
     shares = np.array([[hash_share(7, number, path) for number in range(4000)] for path in ("a", "b")])
     assert stats.kstest(shares[0], "uniform").pvalue > 0.01
     assert abs(np.corrcoef(shares)[0, 1]) < 0.05
     assert hash_share(7, 0, "a") == shares[0, 0] != hash_share(8, 0, "a")
-
-
-def test_what_is_drawn_is_recorded():
     draws = Draws(1, 0)
     value = draws.value("sonar.range", distribution(draw="uniform", low=10.0, high=20.0))
     assert draws.value("seed", 5) == 5
