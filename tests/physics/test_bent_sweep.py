@@ -124,12 +124,6 @@ def profile(seed=3, nodes=512, rms=0.3):
     return np.repeat((z * (rms / z.std()))[:, None], 4, axis=1)
 
 
-def bed_of(heights, spacing):
-    """Height over ground range athwart of a track along x from the origin."""
-    column = heights[:, 0].astype(np.float32).astype(float)
-    return partial(np.interp, xp=np.arange(column.size) * spacing, fp=column, period=column.size * spacing)
-
-
 def in_decibels(a, b, group):
     """Levels of runs of bins against one another, both records 40 log r up, without what is nearer than 14 m."""
     gain = np.arange(a.size)[140:] ** 4.0
@@ -159,7 +153,9 @@ def test_a_rough_bed_echoes_as_fine_rays_say(name):
     heights = profile()
     arrays = wet(arrays_of(heights, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
     record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(arrays, SONAR, bed_of(heights, 0.1), rays=8000)
+    column = heights[:, 0].astype(np.float32).astype(float)
+    bed = partial(np.interp, xp=np.arange(column.size) * 0.1, fp=column, period=column.size * 0.1)
+    twin = bent.knife(arrays, SONAR, bed, rays=8000)
     assert np.median(abs(in_decibels(record, twin, 5))) < 0.1
     assert abs(in_decibels(record, twin, 360)).max() < 0.05
 

@@ -99,13 +99,9 @@ def test_rays_at_nodes_and_edges_leak_nowhere():
 def test_bodies_that_touch_are_heard_once():
     # Two halves of one pipe, end to end, and one on top of itself: as loud as the pipe alone.
     poses = poses_of(np.linspace(-2.0, 2.0, 21), 0.0, 8.0)
+    pipe, left, right = (((a, 12.0, 0.5), (b, 12.0, 0.5), 0.5) for a, b in ((-5.0, 5.0), (-5.0, 0.0), (0.0, 5.0)))
     whole, halves, twice = (
-        sweep.trace(flat(solids=bodies, half_width=FAN), poses)
-        for bodies in (
-            [((-5.0, 12.0, 0.5), (5.0, 12.0, 0.5), 0.5)],
-            [((-5.0, 12.0, 0.5), (0.0, 12.0, 0.5), 0.5), ((0.0, 12.0, 0.5), (5.0, 12.0, 0.5), 0.5)],
-            [((-5.0, 12.0, 0.5), (5.0, 12.0, 0.5), 0.5)] * 2,
-        )
+        sweep.trace(flat(solids=solids, half_width=FAN), poses) for solids in ([pipe], [left, right], [pipe, pipe])
     )
     for other in (halves, twice):
         assert np.linalg.norm(other - whole) < 2e-3 * np.linalg.norm(whole)
@@ -374,13 +370,11 @@ def test_a_steep_thermocline_keeps_speeds_and_rays_in_bounds(interpolation):
     assert (rays.time * 1500.0 > 150.0).all()
 
 
-ONE_GRADIENT = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
-
-
 @pytest.mark.parametrize(("depth", "to"), [(4000.0, 4100.0), (10.0, 110.0), (4100.0, 4000.0), (2000.0, 2000.0)])
 def test_one_ray_comes_however_near_to_its_vertex(depth, to):
+    water = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
     # It turns at the depth asked for if that lies some 4.4 km away, and short of it farther on.
     for across in np.concatenate([np.arange(4000.0, 6000.0, 100.0), 4422.0 + np.logspace(-3.0, 2.0, 11)]):
-        found = eigenrays(ONE_GRADIENT, depth, across, to)
+        found = eigenrays(water, depth, across, to)
         assert found.sizes["eigenray"] == 1, across
         assert float(found.time[0]) == pytest.approx(float(exact_time(across, (depth, to))), abs=1e-11)
