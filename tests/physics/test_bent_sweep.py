@@ -234,7 +234,7 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     assert (truth.target_id[0, 0, int(limit) + 3 : 380] == -2).all()
 
 
-def test_a_table_too_large_to_hold_is_left_to_rays():
+def test_tables_too_large_and_waters_in_which_places_echo_twice_are_left_to_rays():
     for high, left in ((1.0, False), (2000.0, True)):
         peak = high * np.eye(4)
         arrays = arrays_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
@@ -242,9 +242,6 @@ def test_a_table_too_large_to_hold_is_left_to_rays():
         apparent, folded = make_apparent_tables(arrays._replace(water=water), poses_of(0.0, 0.0, SONAR))
         assert folded.all() == left
         assert apparent.tables.nbytes < 2e6
-
-
-def test_waters_in_which_places_are_heard_twice_fold():
     # A strong duct over the bed: rays launched upwards come back to it.
     arrays = arrays_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)
     duct = arrays._replace(water=water_about(SONAR, [-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0]))

@@ -236,7 +236,7 @@ def test_the_surface_itself_is_as_thick_as_its_waves_are_high():
     assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(high, rel=0.15)
 
 
-def test_wind_smears_sweep_and_rays_alike_and_a_breath_of_it_hardly():
+def test_wind_smears_sweep_and_rays_alike_and_a_breath_of_it_next_to_nothing():
     arrays = arrays_of(rough(64, 64, 0.1), 0.5, **OPTIONS)
     for way in BOTTOM_WAYS:
         calm = ghost(sweep.trace, arrays, POSE, 18.0, way)
