@@ -28,7 +28,6 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
-from insonify.surveys.storages import Tile, ZarrStore
 from own_things import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
@@ -241,19 +240,12 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
     assert set(kinds) == {"png", "mask.png", "txt", "json"}
 
 
-def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path):
+def test_a_zarr_store_is_read_by_zarr(tmp_path):
     one = data_set(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
     (path,) = first_job(one, tmp_path).rglob("*.zarr")
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16
-    store, tiles = ZarrStore(), []
-    for k, shape in enumerate(((16, 20), (24, 12))):
-        image, mask = np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8)
-        tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
-    store.write(tmp_path, "0", "0", tiles)
-    for tile in tiles:
-        np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
 
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):
