@@ -12,13 +12,9 @@ from insonify.scene import SceneError
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays
 
+pytest.importorskip("embreex")
 POSES = poses_of([0.0, 3.7], 1.3, 8.0, [0.3, 1.9])
 FAN = math.radians(1.0)
-
-
-@pytest.fixture(autouse=True)
-def _installed():
-    pytest.importorskip("embreex")
 
 
 @pytest.mark.parametrize("half_width", [0.0, FAN])
