@@ -130,12 +130,11 @@ def test_truth_names_the_ball_in_all_its_images():
 def test_truth_flags_a_caustic_where_its_rays_come_down():
     """Through even water 55 m up and down again, and g = 5 1/s above: x = 55 / tan θ + (2c/g) tan θ is least there."""
     c, g, even = 1490.0, 5.0, 55.0
-    water = water_of([0.0, 40.0, 55.0], [c, c, c + 15.0 * g], reference=c, surface=SURFACE)._replace(
-        wavelength=c / 400e3
-    )
+    water = water_of([0.0, 40.0, 55.0], [c, c, c + 15.0 * g], reference=c, surface=SURFACE)
     slope = math.sqrt(even * g / (2.0 * c))
     sine = slope / math.sqrt(1.0 + slope * slope)
-    scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
+    scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)
+    scene = scene._replace(water=water._replace(wavelength=c / 400e3))
     truth = trace_labels(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
     flagged = (np.flatnonzero(truth.caustic[0, 0]) + 0.5) * BIN
     assert flagged.size

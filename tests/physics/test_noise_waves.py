@@ -159,21 +159,12 @@ def test_no_wave_is_made_where_none_is_declared(monkeypatch):
     receive(ready("none", receiver__crosstalk=-10.0), even(4), np.arange(4))
 
 
-COHERENT = {
-    "receiver.speckle": "coherent",
-    "seabed.relief": "flat",
-    "seabed.spacing": 0.5,
-    "seabed.material": {"diffuse": 0.5, "specular": 0.0},
-    "targets": [],
-    "track.speed": 50.0,
-    "track.pings": 100,
-}
-
-
 @lru_cache
 def scatterers_alone(bins):
     """A scene of scatterers that interfere, and its record without noise."""
-    scene = edit(load_scene("default"), COHERENT | {"sonar.bins": bins})
+    bed = {"seabed.relief": "flat", "seabed.spacing": 0.5, "seabed.material": {"diffuse": 0.5, "specular": 0.0}}
+    sonar = {"receiver.speckle": "coherent", "track.speed": 50.0, "track.pings": 100, "sonar.bins": bins}
+    scene = edit(load_scene("default"), bed | sonar | {"targets": []})
     return scene, simulate(scene).intensity.values.astype(float)
 
 

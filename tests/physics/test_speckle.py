@@ -167,19 +167,11 @@ def test_the_strength_of_the_bed_keeps_together_as_cells_overlap():
 
 
 def test_each_material_has_its_own_shape():
-    stripes = {"kind": "pattern", "shape": "stripes", "period": 8.0, "of": ["rock", "rock"]}
-    spiky = edit(
-        load_scene("default"),
-        {
-            "seabed.relief": "flat",
-            "targets": [],
-            "seabed.material": stripes | {"of": [{"name": "rock", "speckle_shape": v} for v in (0.7, 20.0)]},
-            "sonar.pulse": "ideal",
-            "sonar.bins": 500,
-            "track.speed": 50.0,
-            "receiver.speckle": k(3.0),
-        },
-    )
+    rocks = [{"name": "rock", "speckle_shape": shape} for shape in (0.7, 20.0)]
+    stripes = {"kind": "pattern", "shape": "stripes", "period": 8.0, "of": rocks}
+    bed = {"seabed.relief": "flat", "seabed.material": stripes, "targets": []}
+    sonar = {"sonar.pulse": "ideal", "sonar.bins": 500, "track.speed": 50.0, "receiver.speckle": k(3.0)}
+    spiky = edit(load_scene("default"), bed | sonar)
     simulation, plain = prepare(spiky), prepare(edit(spiky, {"receiver.speckle": "none"}))
     pings = np.arange(1500)
     ratio = simulation.intensity(pings) / np.maximum(plain.intensity(pings), 1e-30)
