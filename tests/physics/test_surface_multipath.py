@@ -130,15 +130,16 @@ BEAMS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("beam", "way"),
-    [
-        # Every beam and every way; that of a pattern, which has the most of its own, by all ways.
-        pytest.param(beam, way, marks=[pytest.mark.slow] * (beam != "pattern" and way != BOTTOM_WAYS[number % 3]))
-        for number, beam in enumerate(BEAMS)
+def pairs(names, whole):
+    """Pairs of a name and a way, of which those are slow that are not needed for each way once and the whole of one."""
+    return [
+        pytest.param(name, way, marks=[pytest.mark.slow] * (name != whole and way != BOTTOM_WAYS[number % 3]))
+        for number, name in enumerate(names)
         for way in BOTTOM_WAYS
-    ],
-)
+    ]
+
+
+@pytest.mark.parametrize(("beam", "way"), pairs(BEAMS, "pattern"))  # which has the most of its own
 def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     arrays = arrays_of(
         rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
@@ -359,17 +360,6 @@ def compare(trace, name, way, law, material, half_width=0.0, **grid):
     return np.linalg.norm(record - right) / np.linalg.norm(right), abs(record.sum() / right.sum() - 1.0)
 
 
-# Every body and every way once; a knife, which is quick, has all pairs.
-SOME = pytest.mark.parametrize(
-    ("name", "way"),
-    [
-        pytest.param(name, way, marks=[pytest.mark.slow] * (name != "ball" and way != BOTTOM_WAYS[number % 3]))
-        for number, name in enumerate(ROUND_BODIES)
-        for way in BOTTOM_WAYS
-    ],
-)
-
-
 @pytest.mark.parametrize(
     ("law", "material", "most", "bias"),
     [
@@ -387,7 +377,7 @@ def test_a_knife_hears_a_round_body_as_a_grid_of_angles_does(name, way, law, mat
     assert off < bias
 
 
-@SOME
+@pytest.mark.parametrize(("name", "way"), pairs(ROUND_BODIES, "ball"))
 def test_rays_come_near_the_light_of_a_round_body(name, way):
     """Rays of equal steps of angle are sparse in slant range at a body's edge: they converge slowly."""
     error, off = compare(partial(rays.trace, rays=1 << 17), name, way, LIGHT, DULL)
@@ -401,7 +391,7 @@ def test_a_narrow_lobe_of_a_round_body_has_its_energy(name, way, law, bias):
     assert compare(sweep.trace, name, way, law, NARROW)[1] < bias
 
 
-@SOME
+@pytest.mark.parametrize(("name", "way"), pairs(ROUND_BODIES, "ball"))
 def test_a_fan_averages_the_light_of_a_round_body(name, way):
     fan = {"half_width": math.radians(1.0), "across": 401, "up": 1000}
     error, off = compare(partial(sweep.trace, planes=256), name, way, LIGHT, DULL, **fan)
