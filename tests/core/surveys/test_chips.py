@@ -78,8 +78,9 @@ def test_a_scene_is_sampled_as_declared():
     for number in range(12):
         drawn = draw_scene(specification(negatives=0.0), BASE, number)
         scene, bin_length = drawn.scene, drawn.scene.sonar.range / 192
-        length = 2.0 * scene.targets[0].outline.half[0]
-        assert length / bin_length == pytest.approx(drawn.drawn["sampling.length"], 1e-6)
+        assert 2.0 * scene.targets[0].outline.half[0] / bin_length == pytest.approx(
+            drawn.drawn["sampling.length"], 1e-6
+        )
         step = scene.track.speed / scene.sonar.ping_rate
         assert step / bin_length == pytest.approx(drawn.drawn["sampling.step"])
         assert scene.altitude == pytest.approx(0.2 * scene.sonar.range)
