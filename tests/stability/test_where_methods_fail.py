@@ -141,9 +141,10 @@ def test_a_body_beneath_the_sonar_hides_nadir_on_both_sides(half_width, height):
 
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 def test_a_body_out_of_the_beam_or_range_changes_nothing_and_one_across_its_end_is_cut(half_width):
+    places = (0.0, -12.0), (12.0, 0.0), (0.0, 25.0), (0.0, 19.7)
     bare, behind, ahead, beyond, across = (
         sweep.trace(flat(half_width=half_width, bins=400, solids=solids), poses_of(0.0, 0.0, 8.0))[0]
-        for solids in ([], *([((x, y, 1.0), 1.0)] for x, y in ((0.0, -12.0), (12.0, 0.0), (0.0, 25.0), (0.0, 19.7))))
+        for solids in ([], *([((x, y, 1.0), 1.0)] for x, y in places))
     )
     np.testing.assert_array_equal(behind[0], bare[0])
     assert not np.array_equal(behind[1], bare[1])
