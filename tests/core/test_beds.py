@@ -74,30 +74,25 @@ ASCII_HEADS = {
 }
 
 
-@pytest.mark.parametrize("head", ASCII_HEADS)
-def test_ascii_grids_run_from_the_north_and_lie_by_their_cells(tmp_path, head):
+@pytest.mark.parametrize(
+    ("head", "rows", "heights"),
+    [
+        *((head, "-4.5 -9999 -6.5\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.5, np.nan, -6.5]]) for head in ASCII_HEADS),
+        ("corner", "-4 nan -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.0, np.nan, -6.0]]),
+        ("corner", "-4 -5 -6\n" + " " * 200_000 + "-1.25 -2.5 inf\n", [[-1.25, -2.5, np.nan], [-4.0, -5.0, -6.0]]),
+        ("corner", "-4.123456789 -5 -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.123456789, -5.0, -6.0]]),
+    ],
+    ids=[*ASCII_HEADS, "whole numbers and NaN", "fractions far on", "many digits"],
+)
+def test_ascii_grids_run_from_the_north_and_lie_by_their_cells(tmp_path, head, rows, heights):
     path = tmp_path / "bed.asc"
-    path.write_text(ASCII_HEADS[head] + "-4.5 -9999 -6.5\n-1 -2 -3\n")
+    path.write_text(ASCII_HEADS[head] + rows)
     grid = read_grid(str(path))
     # Whether the file gives the corner of the first cell or its centre, node (0, 0) is the centre.
     assert (grid.spacing, grid.corner) == ((2.0, 2.0), (101.0, 201.0))
-    np.testing.assert_array_equal(grid.heights, [[-1.0, -2.0, -3.0], [-4.5, np.nan, -6.5]])
+    np.testing.assert_array_equal(grid.heights, heights)
     path.write_text(ASCII_HEADS["oblong"].replace("dy 2", "dy 4") + "1 2 3\n4 5 6\n")
     assert (read_grid(str(path)).spacing, read_grid(str(path)).corner) == ((2.0, 4.0), (101.0, 202.0))
-
-
-@pytest.mark.parametrize(
-    ("rows", "heights"),
-    [
-        ("-4 nan -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.0, np.nan, -6.0]]),
-        ("-4 -5 -6\n" + " " * 200_000 + "-1.25 -2.5 inf\n", [[-1.25, -2.5, np.nan], [-4.0, -5.0, -6.0]]),
-        ("-4.123456789 -5 -6\n-1 -2 -3\n", [[-1.0, -2.0, -3.0], [-4.123456789, -5.0, -6.0]]),
-    ],
-    ids=["whole numbers and NaN", "fractions far on", "many digits"],
-)
-def test_ascii_grids_are_read_as_they_are_written(tmp_path, rows, heights):
-    (tmp_path / "bed.asc").write_text(ASCII_HEADS["corner"] + rows)
-    np.testing.assert_array_equal(read_grid(str(tmp_path / "bed.asc")).heights, heights)
 
 
 def test_whole_numbers_and_infinities_are_read_and_a_file_written_anew_anew(tmp_path):
