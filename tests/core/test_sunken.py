@@ -10,7 +10,7 @@ import trimesh
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_targets, resources
 from insonify.io.meshes import read_mesh
-from insonify.scene import edit, load_scene, scene_from_toml
+from insonify.scene import build, edit, load_scene
 from insonify.scene.targets import Pit
 from insonify.scene.targets.aircraft import PLANS, Aircraft, PlanName
 from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
@@ -21,23 +21,14 @@ from insonify.terrain import build_ground
 
 WHOLE = {"position": (0.0, 0.0), "seed": 3}
 CASES = [(Wreck, "form", name) for name in FORMS] + [(Aircraft, "plan", name) for name in PLANS]
-SCENE = """
-[seabed]
-spacing = 0.25
-relief = { kind = "fractal", period = 64.0, beta = 1.6, rms = 0.02 }
-[[targets]]
-kind = "wreck"
-position = [12.0, 20.0]
-length = 14.0
-[sonar]
-beam = { kind = "fan", width = 1.0 }
-range = 40.0
-bins = 200
-ping_rate = 4.0
-[track]
-pings = 48
-altitude = 8.0
-"""
+SCENE = build(
+    {
+        "seabed": {"spacing": 0.25, "relief": {"kind": "fractal", "period": 64.0, "beta": 1.6, "rms": 0.02}},
+        "targets": [{"kind": "wreck", "position": [12.0, 20.0], "length": 14.0}],
+        "sonar": {"beam": {"kind": "fan", "width": 1.0}, "range": 40.0, "bins": 200, "ping_rate": 4.0},
+        "track": {"pings": 48, "altitude": 8.0},
+    }
+)
 SOFT = {"kind": "fractal", "period": 64.0, "rms": 0.02, "clamp": "soft", "coefficients": "gaussian"}
 
 
@@ -148,8 +139,7 @@ def test_the_same_fields_make_the_same_mesh_and_every_field_another(kind):
 
 @pytest.mark.parametrize("kind", [Wreck, Aircraft])
 def test_what_is_buried_lies_below_the_bed(kind):
-    scene = scene_from_toml(SCENE)
-    ground = build_ground(scene)
+    ground = build_ground(SCENE)
     for buried, gap in ((0.0, 0.0), (0.4, 0.0), (0.25, 0.5)):
         target = kind(position=(12.0, 20.0), buried=buried, gap=gap, roll=15.0, heading=30.0, growth=0.05)
         level = float(ground.height_at(np.array([12.0]), np.array([20.0]))[0]) + gap
@@ -170,7 +160,7 @@ def test_a_pit_has_its_depth_and_a_rim_and_ends():
 
 @pytest.mark.parametrize("extent", ["periodic", "endless"])
 def test_scour_changes_the_bed_about_a_wreck_alone(extent):
-    scene = edit(scene_from_toml(SCENE), {"seabed.relief": SOFT | {"extent": extent}})
+    scene = edit(SCENE, {"seabed.relief": SOFT | {"extent": extent}})
     before, after = build_ground(scene), build_ground(edit(scene, {"targets.0.scour": 0.8}))
     x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-2.0, 26.0), np.arange(6.0, 34.0)))
     change = after.height_at(x, y) - before.height_at(x, y)
@@ -183,7 +173,7 @@ def test_scour_changes_the_bed_about_a_wreck_alone(extent):
 @pytest.mark.parametrize(("kind", "name", "value"), CASES)
 def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
     target = {"kind": kind.__name__.lower(), "position": [12.0, 20.0], "length": 10.0, name: value}
-    record = simulate(edit(scene_from_toml(SCENE), {"targets": [target]}), truth=True)
+    record = simulate(edit(SCENE, {"targets": [target]}), truth=True)
     assert (record.target_id == 0).sum() > 50
     assert (record.shadow > 0.5).sum() > 50
 
