@@ -194,13 +194,7 @@ def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
     assert resample_rows(rows, 1).ravel().tolist() == [2]
 
 
-def test_ground_range_needs_a_bed_within_range():
-    said = r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave"
-    with pytest.raises(SceneError, match=said):
-        gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
-
-
-def test_ground_range_shows_no_water_column():
+def test_ground_range_shows_no_water_column_and_needs_a_bed_within_range():
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
     slant = gather_sheet([record_], even(), 4, DisplayOptions(side="port"))
@@ -208,6 +202,9 @@ def test_ground_range_shows_no_water_column():
     assert slant.amplitude[0, 0] == 0.0
     assert ground.amplitude.min() > 0.9
     assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
+    said = r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave"
+    with pytest.raises(SceneError, match=said):
+        gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
 
 
 LOOKS = {"side": "starboard", "palette": "pen", "gain": 3.0}, {"ground_range": True, "palette": "viridis"}
