@@ -1,6 +1,7 @@
 """Recordings: what a file may hold, what is damaged, cut or of a kind that is not read, and a real one."""
 
 import ctypes
+import os
 import pickle
 from pathlib import Path
 
@@ -270,48 +271,41 @@ def test_a_real_recording(real_recording):
     assert np.median(amplitude[:, :, 10:80]) < 0.05 * np.median(amplitude[:, :, 400:600])
 
 
-def mutilated(path: Path, fault: str) -> Path:
-    content = path.read_bytes()
-    size = (len(content) - 1024) // 2
-    pings = {
-        "empty": b"",
-        "text": b"title = 'a scene'\n" * 100,
-        "header alone": content[:1024],
-        "first cut": content[: 1024 + size - 100],
-        "cut": content[:-100],
-        "cut in a start": content[:-size] + content[-size:][:9],
-        "no length": content[:1034] + bytes(4) + content[1038:],
-        "noise": content[:1024] + b"\x5a" * 2000,
-        "too few channels": content[:1028] + b"\x09" + content[1029:],
-    }
-    path.write_bytes(pings[fault])
-    return path
+# What becomes of the bytes of a file, and what is said of it.
+BROKEN = {
+    "empty": (lambda file: b"", "has 0 bytes, less than the header of an XTF file; copy it again"),
+    "text": (lambda file: b"title = 'a scene'\n" * 100, "is not an XTF file"),
+    "header alone": (
+        lambda file: file[:1024],
+        "holds no side-scan pings; give a recording with port or starboard channels",
+    ),
+    "first cut": (
+        lambda file: file[:1200],
+        "ends within the packet at byte 1024, before one ping is whole; copy it again",
+    ),
+    "no length": (lambda file: file[:1034] + bytes(4) + file[1038:], "holds no XTF packet at byte 1024"),
+    "noise": (lambda file: file[:1024] + b"\x5a" * 2000, "holds no XTF packet at byte 1024"),
+    "too few channels": (lambda file: file[:1028] + b"\x09" + file[1029:], "declares more channels than ping 0 has"),
+}
 
 
-@pytest.mark.parametrize(
-    ("fault", "expected"),
-    [
-        ("empty", "has 0 bytes, less than the header of an XTF file; copy it again"),
-        ("text", "is not an XTF file"),
-        ("header alone", "holds no side-scan pings; give a recording with port or starboard channels"),
-        ("first cut", "ends within the packet at byte 1024, before one ping is whole; copy it again"),
-        ("no length", "holds no XTF packet at byte 1024"),
-        ("noise", "holds no XTF packet at byte 1024"),
-        ("too few channels", "declares more channels than ping 0 has"),
-    ],
-)
-def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault, expected):
-    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING]), fault)
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault):
+    spoil, expected = BROKEN[fault]
+    path = write_xtf(tmp_path / "a.xtf", [PING, PING])
+    path.write_bytes(spoil(path.read_bytes()))
     assert expected in refused(capsys, "render", str(path), "-o", str(tmp_path / "a.png"))
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("fault", ["cut", "cut in a start"])
-def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, fault):
-    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING, PING]), fault)
+@pytest.mark.parametrize("whole", [1, 2])
+def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, whole):
+    path = write_xtf(tmp_path / "a.xtf", [PING, PING, PING])
+    size = (len(path.read_bytes()) - 1024) // 3
+    os.truncate(path, 1024 + size + 9 if whole == 1 else 1024 + 3 * size - 100)  # in a start, or behind it
     assert main(["render", str(path), "-o", str(tmp_path / "a.npz")]) == 0
     written = capsys.readouterr()
-    whole = 1 if fault == "cut in a start" else 2
+
     assert f"{whole} pings of 2 x 4 bins" in written.out
     assert written.err.count("\n") == 1
     assert "a.xtf: ends within the packet at byte" in written.err
