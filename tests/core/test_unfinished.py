@@ -40,13 +40,8 @@ def write_new(path) -> None:
 
 def writer(path, *words: str, before: tuple[str, ...] = (), **options) -> subprocess.Popen:
     """Start a process that writes a file until it gets a line; returns while it writes."""
-    process = subprocess.Popen(
-        [*before, sys.executable, "-c", WRITE, str(path), *words],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        **options,
-    )
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    process = subprocess.Popen([*before, sys.executable, "-c", WRITE, str(path), *words], **pipes, **options)
     assert process.stdout.readline() == b"writing\n"
     return process
 
