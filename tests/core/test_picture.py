@@ -12,14 +12,7 @@ from PIL import Image
 from insonify.cli import main
 from insonify.display import display_options, normalisation
 from insonify.display import sheet as module
-from insonify.display.display_options import (
-    PALETTES,
-    DisplayOptions,
-    display_settings,
-    find_palettes,
-    read_display,
-    side_factors,
-)
+from insonify.display.display_options import PALETTES, DisplayOptions, display_settings, read_display, side_factors
 from insonify.display.normalisation import LevelBed, estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
@@ -251,10 +244,10 @@ def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
         load_palette("jet")
     (tmp_path / "palettes").mkdir()
     for name in PALETTES:
-        (tmp_path / "palettes" / f"{name}.txt").write_bytes(find_palettes()[name].read_bytes())
+        (tmp_path / "palettes" / f"{name}.txt").write_bytes(display_options.find_palettes()[name].read_bytes())
     (tmp_path / "palettes" / "reds.txt").write_text("# From black to red.\n#000000\n#ff0000\n")
     monkeypatch.setattr(display_options, "resources", lambda: tmp_path)
-    assert set(find_palettes()) == {*PALETTES, "reds"}
+    assert set(display_options.find_palettes()) == {*PALETTES, "reds"}
     np.testing.assert_array_equal(load_palette("reds")[[0, 255]], [[0, 0, 0], [255, 0, 0]])
 
 

@@ -8,18 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.files import bundled_meshes, bundled_picture, bundled_sonars, resources
-from insonify.scene import (
-    Scene,
-    SceneError,
-    bundled_scenes,
-    edit,
-    load_partner,
-    load_scene,
-    plain,
-    scene_from_toml,
-    scene_to_toml,
-)
+from insonify.files import bundled_meshes, bundled_picture, bundled_scenes, bundled_sonars, resources
+from insonify.scene import Scene, SceneError, edit, load_partner, load_scene, plain, scene_from_toml, scene_to_toml
 from insonify.scene.base import is_field
 from insonify.scene.links import Link, split_description
 from insonify.scene.sonar.presets import read_preset
