@@ -121,7 +121,7 @@ def test_a_point_that_is_not_in_the_water_is_refused():
             trace_ray_diagram(scene_in(DUCT), target=target)
 
 
-def test_the_table_holds_every_point(diagram, tmp_path):
+def test_the_table_holds_every_point_and_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
     write_ray_diagram(tmp_path / "rays.csv", diagram)
     with (tmp_path / "rays.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -132,9 +132,6 @@ def test_the_table_holds_every_point(diagram, tmp_path):
     assert float(last["time"]) == pytest.approx(diagram.eigenrays[-1].travel_time, rel=1e-8)
     with pytest.raises(SceneError, match=r"end the name in \.png or \.csv"):
         write_ray_diagram(tmp_path / "rays.pdf", diagram)
-
-
-def test_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
     write_ray_diagram(tmp_path / "rays.png", diagram)
     picture = np.asarray(Image.open(tmp_path / "rays.png").convert("RGB")).astype(int)
     assert picture.shape[0] > 1000

@@ -191,15 +191,12 @@ def test_a_stage_that_is_declared_acts_in_its_place(attenuator, changes):
     np.testing.assert_allclose(whole.expected(np.ones(300)), 0.5 * without.expected(np.ones(300)))
 
 
-def test_the_explanation_of_a_pixel_lists_a_stage_that_is_declared(attenuator):
+def test_a_stage_that_is_declared_is_listed_for_a_pixel_and_named_where_it_cannot_act_on_waves(attenuator):
     simulation = prepare(edit(load_scene("default"), {"track.pings": 4, **WAVES}))
     explained = explain_pixel(simulation, 2, 0, 500)
     (term,) = (term for term in explained.terms if term.name == "cable")
     assert term.decibels == pytest.approx(10.0 * math.log10(0.5), abs=1e-4)
     assert term.detail == "between sonar and receiver"
-
-
-def test_a_stage_that_cannot_act_on_waves_is_named(attenuator):
     attenuator.act_on_waves = Stage.act_on_waves
     ready = reception(edit(load_scene("default"), WAVES), 300, SONAR)
     with pytest.raises(NotImplementedError, match="Attenuator acts between speckle and detection"):

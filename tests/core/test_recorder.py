@@ -118,14 +118,11 @@ def test_a_gain_table_goes_on_beyond_the_noise():
     np.testing.assert_allclose(10.0 * np.log10(loud.gain), np.arange(BINS) * 40.0 / 999.0, atol=1e-9)
 
 
-def test_ringing_decays_after_transmission():
+def test_ringing_decays_after_transmission_and_is_a_wave_beside_the_speckled_echo():
     ringing = {"kind": "decay", "level": -30.0, "time": 2e-3}
     record = of(np.zeros((2, 2, BINS), np.float32), receiver__ringing=ringing, receiver__source_level=100.0)
     expected = 70.0 - 10.0 / math.log(10.0) * TIME / 2e-3
     np.testing.assert_allclose(10.0 * np.log10(record[1, 1]), expected, atol=1e-3)
-
-
-def test_ringing_is_a_wave_beside_the_speckled_echo():
     ringing = {"kind": "decay", "level": -60.0, "time": 1.0}
     record = of(even(1000, 100), receiver__ringing=ringing, receiver__speckle="rayleigh", track__speed=50.0)
     # A steady wave of energy a beside a Gaussian one of 1: mean 1 + a, variance 1 + 2a.
