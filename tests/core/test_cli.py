@@ -87,15 +87,7 @@ def test_a_mistake_is_one_sentence(capsys, monkeypatch, tmp_path, command, expec
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_terminal_is_given_no_commands_by_a_title(capsys, tmp_path):
-    """Escape, bell, an operating-system command, and a mark that turns text to the left."""
-    path = tmp_path / "evil.toml"
-    path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
-    assert main(["scenes", str(path)]) == 0
-    assert capsys.readouterr().out == "a]0;ownedb\n"
-
-
-def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys):
+def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys, tmp_path):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(bundled_scenes())
@@ -106,6 +98,11 @@ def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys):
     for scene in map(load_scene, ("figure-2a", "wreck")):
         assert scene.title in said.splitlines()
         assert scene.about in " ".join(said.split())
+    # Escape, bell, an operating-system command, and a mark that turns text to the left give a terminal no commands.
+    path = tmp_path / "evil.toml"
+    path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
+    assert main(["scenes", str(path)]) == 0
+    assert capsys.readouterr().out == "a]0;ownedb\n"
 
 
 def test_plan_names_the_method(capsys):

@@ -71,7 +71,9 @@ def file(tmp_path: Path) -> str:
     return str(tmp_path / "file")
 
 
-def test_what_a_reader_returns_comes_back(file, monkeypatch):
+def test_what_a_reader_returns_comes_back_and_nothing_that_it_prints_reaches_the_terminal(file, monkeypatch, capfd):
+    assert run_isolated(chatter, file) == 3
+    assert capfd.readouterr() == ("", "")
     monkeypatch.chdir(Path(file).parent)
     found = run_isolated(give, "file")
     assert found["path"] == file
@@ -148,11 +150,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < limit
         time.sleep(0.02)
-
-
-def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):
-    assert run_isolated(chatter, file) == 3
-    assert capfd.readouterr() == ("", "")
 
 
 limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system has no limit for memory")

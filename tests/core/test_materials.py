@@ -99,16 +99,12 @@ def test_given_numbers_override_the_name():
 
 
 def test_interfaces_follow_the_ground_and_then_the_targets():
-    scene = build(
-        {
-            "seabed": {"material": {"kind": "patches", "of": ["silt", {"name": "rock", "reflection": 0.5}]}},
-            "targets": [
-                {"kind": "sphere", "position": [0.0, 10.0], "material": "mirror"},
-                {"kind": "sphere", "position": [0.0, 20.0], "material": {"name": "steel", "speed_ratio": 3.0}},
-            ],
-        }
-    )
-    arrays = prepare(scene).arrays
+    patches = {"kind": "patches", "of": ["silt", {"name": "rock", "reflection": 0.5}]}
+    balls = [
+        {"kind": "sphere", "position": [0.0, y], "material": material}
+        for y, material in ((10.0, "mirror"), (20.0, {"name": "steel", "speed_ratio": 3.0}))
+    ]
+    arrays = prepare(build({"seabed": {"material": patches}, "targets": balls})).arrays
     silt, rock, steel = MATERIALS["silt"].reflectivity, MATERIALS["rock"].reflectivity, MATERIALS["steel"].reflectivity
     np.testing.assert_array_equal(
         arrays.interface,
