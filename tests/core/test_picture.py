@@ -315,7 +315,6 @@ def test_colours_are_looked_up_by_the_place_between_both_levels(colours):
 @pytest.mark.parametrize("kind", ["slant", "bed", "ground"])
 def test_an_altitude_below_the_bed_leads_to_no_bin_outside_its_row(kind: str, altitude: float) -> None:
     axis = make_range_axis(kind, 64, 0.1, 1.0)
-    assert axis is not None
     position = place_columns(np.linspace(0.0, axis.reach, 33), np.array([1.0, altitude, 1.0]), axis)
     assert position.min() >= 0.0
     assert position.max() <= 64.0
