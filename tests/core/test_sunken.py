@@ -182,16 +182,6 @@ MAST = np.arange(352, 378)  # pings about it
 STARBOARD = 1
 
 
-@pytest.fixture(scope="module")
-def scene():
-    return load_scene("wreck")
-
-
-@pytest.fixture(scope="module")
-def simulation(scene):
-    return prepare(scene)
-
-
 def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
     corners = read_mesh("wreck")
     assert 5_000 < len(corners) < 20_000
@@ -201,8 +191,8 @@ def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
     assert volume(corners) > 5.0  # an open or inverted part would take it away
 
 
-def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
-    bed = measure_statistics(simulate(edit(scene, {"targets": [], "track.pings": 192})))
+def test_the_bed_is_as_alike_as_the_real_ones_even_patches():
+    bed = measure_statistics(simulate(edit(load_scene("wreck"), {"targets": [], "track.pings": 192})))
     low, middle, high = np.percentile(bed.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.53
     # The real recording falls by -0.43 along the track and -0.21 across it.
@@ -210,18 +200,17 @@ def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
     assert -0.5 < bed.across.slope() < -0.05
 
 
-def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_record(scene, simulation):
+def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_record():
+    scene = load_scene("wreck")
     # 24.7 dB in the real recording.
     assert measure_statistics(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
-    without = prepare(edit(scene, {"targets": []}))
+    simulation, without = prepare(scene), prepare(edit(scene, {"targets": []}))
     pings = np.arange(240, 300, 4)
     a, b = (s.intensity(pings)[:, STARBOARD] for s in (simulation, without))
     ratio = 10.0 * np.log10(a.mean(axis=0) / b.mean(axis=0))
     assert ratio[170:450].max() > 6.0  # the sides
     assert ratio[400:560].min() < -15.0  # the shadow beyond
-
-
-def test_the_mast_throws_its_shadow_to_the_last_bin(simulation):
+    # The mast throws its own to the last bin.
     heard = simulation.intensity(MAST)[:, STARBOARD, 620:]
     far = 10.0 * np.log10(heard.reshape(len(MAST), 4, -1).mean(axis=2))  # four stretches of range
     dark = far < np.median(far, axis=0) - 12.0
