@@ -18,30 +18,18 @@ from insonify.io.records import read_record, write_record
 from insonify.io.records.zarr_store import CHUNK, SHARD
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks, simulate_record_blocks
+from level_records import level_record
 from small_sets import contents
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
+    """Pings of a record, each as loud as its number."""
     numbers = np.arange(first, first + pings)
-    shape = (2, pings, bins)
-    return xr.Dataset(
-        {
-            "intensity": (
-                ("channel", "ping_time", "range_sample"),
-                (numbers[None, :, None] + np.zeros(shape) + np.arange(bins) / 100).astype(np.float32),
-                {"long_name": "echo energy", "units": "1"},
-            ),
-            "platform_x": ("ping_time", numbers * 0.2, {"units": "m"}),
-            "caustic": (("channel", "ping_time", "range_sample"), np.zeros(shape, dtype=bool)),
-        },
-        coords={
-            "channel": ["port", "starboard"],
-            "ping_time": np.datetime64("2000-01-01", "ns") + (numbers * 10**8).astype("timedelta64[ns]"),
-            "range_sample": np.arange(bins),
-            "slant_range": ("range_sample", (np.arange(bins) + 0.5) * 0.05, {"units": "m"}),
-        },
-        attrs={"scene": 'title = "ä"\n', "version": "0.1.0", "number": 3},
-    )
+    echo = np.broadcast_to(numbers[:, None] + np.arange(bins) / 100, (2, pings, bins))
+    record = level_record(echo, 0.05, 2.0, 0.2, scene='title = "ä"\n', version="0.1.0", number=3)
+    time = np.datetime64("2000-01-01", "ns") + (numbers * 10**8).astype("timedelta64[ns]")
+    record = record.assign_coords(channel=["port", "starboard"], ping_time=time, range_sample=np.arange(bins))
+    return record.assign(caustic=record.intensity < 0.0)
 
 
 @pytest.mark.parametrize("pings", [(5, 5, 2), (700, 700, 3), (1, 1)])
@@ -131,14 +119,9 @@ def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def whole_record() -> xr.Dataset:
-    across = ("ping_time", np.full(4, 2.0))
-    return block(0, 4).assign(platform_y=across, platform_altitude=across)
-
-
 def test_a_record_is_read_as_it_was_written(tmp_path):
-    untold = whole_record().assign(platform_altitude=("ping_time", np.full(4, np.nan)))
-    for record in (whole_record(), untold, untold.isel(ping_time=[0], range_sample=[0])):
+    untold = block(0, 4).assign(platform_altitude=("ping_time", np.full(4, np.nan)))
+    for record in (block(0, 4), untold, untold.isel(ping_time=[0], range_sample=[0])):
         write_record(tmp_path / "record.nc", [record])
         np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, record.intensity)
 
@@ -159,7 +142,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path):
     ],
 )
 def test_what_is_no_record_is_told_in_one_sentence(tmp_path, spoil, words):
-    spoil(whole_record()).drop_encoding().to_netcdf(tmp_path / "record.nc")
+    spoil(block(0, 4)).drop_encoding().to_netcdf(tmp_path / "record.nc")
     with pytest.raises(SceneError, match=rf"record\.nc: is not a record \({words}[^\n]*\); give one made by insonify$"):
         read_record(tmp_path / "record.nc")
 
