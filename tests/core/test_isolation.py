@@ -161,6 +161,7 @@ limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the
         (crash, FileFault, "the library that reads it fails"),
         pytest.param(allocate, RuntimeError, "does not fit in memory", marks=limited),  # by the size of the file
         (refuse, SceneError, "^it is refused; mend it$"),
+        (find_fault, FileFault, r"^\('is odd', 'even it'\)$"),  # with its remedy
         (fail, RuntimeError, "a name"),
     ],
 )
@@ -168,12 +169,6 @@ def test_a_fault_comes_back_and_the_next_file_is_read(file, reader, error, words
     with pytest.raises(error, match=words):
         run_isolated(reader, file)
     assert run_isolated(chatter, file) == 3
-
-
-def test_a_fault_of_a_file_keeps_its_remedy(file):
-    with pytest.raises(FileFault) as caught:
-        run_isolated(find_fault, file)
-    assert (caught.value.fault, caught.value.remedy) == ("is odd", "even it")
 
 
 def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):

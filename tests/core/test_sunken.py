@@ -94,8 +94,9 @@ def test_roughening_stays_within_its_height_and_keeps_parts_closed():
 
 
 @pytest.mark.parametrize(("kind", "name", "value"), CASES)
-def test_a_whole_one_is_as_long_and_as_broad_as_declared(kind, name, value):
-    states = {"decay": 0.0} if kind is Wreck else {"porosity": 0.0, "crumpled": 0.0}
+def test_a_whole_one_is_as_long_and_as_broad_as_declared_and_each_closed_and_of_few_triangles(kind, name, value):
+    shares = ("decay",) if kind is Wreck else ("porosity", "crumpled")
+    states = dict.fromkeys(shares, 0.0)
     whole = kind(**WHOLE, **states, **{name: value}, length=20.0)
     size = np.ptp(whole.shape().triangles, axis=(0, 1))
     assert size[0] == pytest.approx(20.0, rel=0.01)
@@ -105,14 +106,8 @@ def test_a_whole_one_is_as_long_and_as_broad_as_declared(kind, name, value):
     assert np.ptp(other.shape().triangles[..., 1]) == pytest.approx(1.3 * whole.breadth, rel=0.02)
     ends = whole.shape().triangles[..., 0]
     assert ends.min() + ends.max() == pytest.approx(0.0, abs=0.2)
-
-
-@pytest.mark.parametrize(("kind", "name", "value"), CASES)
-def test_each_is_closed_and_of_few_triangles_in_any_state(kind, name, value):
-    states = [{"decay": share} for share in (0.0, 0.5, 1.0)]
-    if kind is Aircraft:
-        states = [{"porosity": share, "crumpled": share, "engines": 4} for share in (0.0, 0.5, 1.0)]
-    for number, state in enumerate(states):
+    for number in range(3):
+        state = dict.fromkeys(shares, 0.5 * number) | ({"engines": 4} if kind is Aircraft else {})
         shape = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape()
         triangles = shape.triangles
         assert np.isfinite(triangles).all()
