@@ -2,7 +2,7 @@
 
 import gc
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import make_dataclass
 from threading import Barrier
 from time import sleep
 
@@ -12,12 +12,7 @@ import pytest
 from insonify.array_cache import ArrayCache
 
 KB = 1024
-
-
-@dataclass
-class Pair:
-    values: np.ndarray
-    number: float
+Pair = make_dataclass("Pair", ("values", "number"))
 
 
 def test_the_least_recently_used_arrays_are_dropped() -> None:

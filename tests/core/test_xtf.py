@@ -18,6 +18,8 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError
 from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM, amplitudes, write_xtf
 
+SIDES = [[1, 2, 3, 4], [10, 20, 30, 40]]  # amplitudes of a ping
+
 
 @pytest.mark.parametrize(
     ("kind", "told"),
@@ -25,7 +27,7 @@ from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM
 )
 def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told):
     record = read_record(write_xtf(tmp_path / "a.xtf", [PING, PING], kind=kind, told=told))
-    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    np.testing.assert_allclose(amplitudes(record)[:, 0], SIDES)
     assert record["channel"].values.tolist() == ["port", "starboard"]
     np.testing.assert_allclose(record["slant_range"], [3.75, 11.25, 18.75, 26.25])
     np.testing.assert_allclose(record["travel_time"], record["slant_range"] * 0.04 / 30.0)
@@ -35,15 +37,11 @@ def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told
 @pytest.mark.parametrize(
     ("ping", "channels", "expected"),
     [
-        (
-            {"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]},  # sides go by their type, not their order
-            (SUBBOTTOM, STARBOARD, PORT, STARBOARD),
-            [[1, 2, 3, 4], [10, 20, 30, 40]],
-        ),
+        ({"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]}, (SUBBOTTOM, STARBOARD, PORT, STARBOARD), SIDES),
         ({"samples": [NEAR_TO_FAR]}, (STARBOARD,), [[0, 0, 0, 0], [10, 20, 30, 40]]),
-        ({**PING, "Weight": 3}, (PORT, STARBOARD), np.array([[1, 2, 3, 4], [10, 20, 30, 40]]) / 8.0),
+        ({**PING, "Weight": 3}, (PORT, STARBOARD), np.array(SIDES) / 8.0),
     ],
-    ids=["order", "one side alone", "weight"],
+    ids=["type counts, not order", "one side alone", "weight"],
 )
 def test_channels_become_sides(tmp_path, ping, channels, expected):
     record = read_record(write_xtf(tmp_path / "a.xtf", [ping], channels=channels))
@@ -158,7 +156,7 @@ def test_both_frequencies_can_be_read(tmp_path, capsys, wanted, frequency, bins)
     record = read_record(path, wanted)
     assert record.attrs["frequency"] == frequency
     assert record.attrs["frequencies"] == "100000, 400000"
-    expected = [[1, 2, 3, 4], [10, 20, 30, 40]] if bins == 4 else [[7] * 8, [9] * 8]
+    expected = SIDES if bins == 4 else [[7] * 8, [9] * 8]
     np.testing.assert_allclose(amplitudes(record)[:, 2], expected)
     words = [] if wanted is None else ["--frequency", str(wanted)]
     assert main(["render", str(path), "-o", str(tmp_path / "a.npz"), *words]) == 0
@@ -246,8 +244,7 @@ def test_render_takes_a_recording(tmp_path, capsys, suffix):
 
 
 @pytest.mark.parametrize(
-    "words",
-    [("--set", "track.pings=3"), ("--seed", "3"), ("--method", "rays"), ("--tolerance", "0.1")],
+    "words", [("--set", "track.pings=3"), ("--seed", "3"), ("--method", "rays"), ("--tolerance", "0.1")]
 )
 def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, words):
     source = write_xtf(tmp_path / "a.xtf", [PING])
@@ -312,7 +309,7 @@ def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, whole):
     assert "the whole pings before are read" in written.err
     with pytest.warns(FileWarning, match="ends within the packet"):
         record = read_record(path)
-    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    np.testing.assert_allclose(amplitudes(record)[:, 0], SIDES)
 
 
 def test_what_cannot_be_understood_is_refused(tmp_path):
