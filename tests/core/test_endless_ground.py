@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from beds import bed_of
 from commands import wait_until
 from insonify.array_cache import ARRAYS
 from insonify.packing import terrain_tiles
@@ -61,16 +62,7 @@ def test_record_is_that_over_a_bed_held_whole(record):
     simulation = prepare(SCENE)
     nodes = gather_tiles(simulation.ground.heights, (TILE - 150, TILE - 150), (400, 400))
     corner = 0.4 * (TILE - 150)
-    bed = simulation.arrays.bed._replace(
-        heights=nodes,
-        transposed=np.ascontiguousarray(nodes.T),
-        materials=np.zeros(nodes.shape, np.uint8),
-        x0=corner,
-        y0=corner,
-        periodic=False,
-        low=float(nodes.min()),
-        high=float(nodes.max()),
-    )
+    bed = bed_of(nodes, 0.4, x0=corner, y0=corner)
     whole = edit(SCENE, {"sonar.pulse": "ideal"})
     held = sweep.trace(simulation.reduced._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
     np.testing.assert_allclose(prepare(whole).intensity(PINGS), held, rtol=2e-4, atol=2e-5 * held.max())

@@ -18,8 +18,6 @@ CLOSE = 0.01  # dB by which a budget may miss its pixel
 PIPE = {"kind": "pipe", "position": [10.0, 15.0], "radius": 0.5, "length": 8.0, "material": "steel"}
 BALL = {"kind": "sphere", "position": [12.0, -14.0], "radius": 0.7, "material": "rock"}
 ROUGH = {"kind": "fractal", "beta": 1.4, "period": 51.2, "rms": 0.2}
-
-
 BASE = build(
     {
         "seabed": {"depth": 30.0, "spacing": 0.2, "relief": ROUGH, "material": "medium_sand"},
@@ -118,11 +116,9 @@ def test_pixels_of_bundled_scenes_add_up(name, forced, side, pixels):
         assert name != "double-image" or explained.contributions[0].rays
 
 
-SILT = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
-
-
 def flat(**changes):
-    level = {"seabed__relief": "flat", "targets": [], "seabed__material": SILT}
+    silt = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
+    level = {"seabed__relief": "flat", "targets": [], "seabed__material": silt}
     return prepare(scene(**level | changes), tolerance=0.003)
 
 
