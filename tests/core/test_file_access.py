@@ -28,30 +28,17 @@ from insonify.scene.seabed.autocorrelations import read_autocorrelation
 from insonify.scene.seabed.materials.pictures import read_picture
 from insonify.simulation import simulate
 
-READERS = {
-    "scene.toml": load_scene,
-    "bed.npy": read_grid,
-    "bed.npz": read_grid,
-    "bed.tif": read_grid,
-    "bed.bag": read_grid,
-    "bed.asc": read_grid,
-    "tow.csv": read_navigation,
-    "tow.nc": read_navigation,
-    "tow.gpx": read_navigation,
-    "tow.xtf": read_navigation,
-    "cast.cnv": read_cast,
-    "cast.aml": read_cast,
-    "cast.svp": read_cast,
-    "cast.csv": read_cast,
-    "body.obj": read_mesh,
-    "body.gltf": read_mesh,
-    "record.nc": read_record,
-    "record.npz": read_record,
-    "record.xtf": read_record,
-    "record.jsf": read_record,
-    "map.png": lambda path: read_picture(path, 2),
-    "lags.csv": read_autocorrelation,
+FILES = {
+    load_scene: ["scene.toml"],
+    read_grid: ["bed.npy", "bed.npz", "bed.tif", "bed.bag", "bed.asc"],
+    read_navigation: ["tow.csv", "tow.nc", "tow.gpx", "tow.xtf"],
+    read_cast: ["cast.cnv", "cast.aml", "cast.svp", "cast.csv"],
+    read_mesh: ["body.obj", "body.gltf"],
+    read_record: ["record.nc", "record.npz", "record.xtf", "record.jsf"],
+    lambda path: read_picture(path, 2): ["map.png"],
+    read_autocorrelation: ["lags.csv"],
 }
+READERS = {name: read for read, names in FILES.items() for name in names}
 
 
 @pytest.mark.parametrize("name", READERS)
