@@ -184,14 +184,11 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
         build_ground(scene("sample:matterhorn"))
 
 
-def test_real_bag_has_negative_elevations_and_gaps(real_data):
+def test_real_bag_has_negative_elevations_and_gaps_and_one_of_varying_resolution_its_finest(real_data):
     ground = build_ground(scene(real_data / "dem" / "bdb_01.bag"))
     assert (ground.spacing, ground.heights.shape) == (4.0, (12, 16))
     assert np.isnan(ground.heights).mean() == pytest.approx(0.526, abs=1e-3)
     assert -4.52 < ground.datum < -2.80
-
-
-def test_real_bag_of_varying_resolution_is_read_at_its_finest(real_data):
     grid = read_grid(str(real_data / "dem" / "hyo2qc_tiny_vr.bag"))
     assert grid.spacing == (0.5, 0.5)
     assert grid.heights.shape == (128, 128)

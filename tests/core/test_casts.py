@@ -52,7 +52,7 @@ def test_a_profile_with_noise_at_the_surface_becomes_steps(casts):
     assert cast.sound_speed[0] == pytest.approx(np.mean(noise))
 
 
-def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
+def test_a_seabird_cast_leaves_out_soak_and_way_up_and_has_salinity_from_conductivity(casts):
     cast = read_cast(str(casts / "Hotin.cnv"))
     # The pump runs from 1.25 m on; before, the salinity rises from -3.9 to 33.6.
     assert cast.salinity.min() > 34.2
@@ -60,9 +60,6 @@ def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
     assert cast.depth[-1] == pytest.approx(14.0)
     speed = make_sound_speed_field(CastWater(path=str(casts / "Hotin.cnv"))).speed
     assert 1478.0 < speed.min() < speed.max() < 1480.0
-
-
-def test_a_seabird_cast_without_salinity_has_it_from_conductivity(casts):
     cast = read_cast(str(casts / "PIRA001.cnv"))
     np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
     np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)

@@ -13,12 +13,12 @@ from PIL import Image
 
 from commands import refused
 from insonify.cli import main
-from insonify.io.record_schema import coordinates, echo_variable, platform
 from insonify.io.records import read_record, write_record
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.surveys.mosaic import Mosaic, choose_cell, make_mosaic, write_mosaic
 from insonify.surveys.swath import StoredSwaths, Swath, lay_swath
+from level_records import level_record
 
 BOX = re.compile(r"<(north|south|east|west)>([-\d.]+)</")
 
@@ -148,13 +148,9 @@ def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
 
 
 def made_record(altitude=5.0, heading=0.0, **attributes) -> xr.Dataset:
-    rng = np.random.default_rng(2)
-    pings, bins = 40, 200
-    echo = 1e-9 + np.where(np.arange(bins) > 50, rng.exponential(size=(pings, 2, bins)), 0.0)
-    time = np.arange(pings) / 4.0
-    columns = (0.5 * time, 0.0 * time, *(np.full(pings, value) for value in (10.0, altitude, heading, 0.0, 0.0)))
-    variables = echo_variable(echo.astype(np.float32)) | platform(columns)
-    return xr.Dataset(variables, coordinates(time, (np.arange(bins) + 0.5) * 0.1, 1500.0), attributes)
+    echo = np.where(np.arange(200) > 50, np.random.default_rng(2).exponential(size=(2, 40, 200)), 0.0)
+    record = level_record(1e-9 + echo, 0.1, altitude, 0.125, **attributes)
+    return record.assign(platform_heading=("ping_time", np.full(40, heading)))
 
 
 def test_altitude_and_course_come_from_the_record_itself_where_they_are_not_told():
