@@ -1,6 +1,5 @@
 """Records on disk and in blocks: what is read back is what was simulated, and no file is ever half there."""
 
-import signal
 import warnings
 
 import netCDF4
@@ -78,22 +77,6 @@ def test_npz_reads_back_without_pickles(tmp_path):
         assert str(read["attrs.comment"]) == ""
         assert str(read["attrs.table"]) == "{'a': [1, None]}"
         assert list(read["attrs.pair"]) == [1.5, 2.5]
-
-
-def test_a_request_to_end_leaves_the_old_file(tmp_path):
-    path = tmp_path / "record.nc"
-    path.write_bytes(b"old")
-
-    def blocks():
-        yield block(0, 4)
-        signal.raise_signal(signal.SIGTERM)
-
-    with pytest.raises(SystemExit) as leaving:
-        write_record(path, blocks())
-    assert leaving.value.code == 128 + signal.SIGTERM
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    assert path.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_link_keeps_pointing_where_it_did(tmp_path):
