@@ -192,16 +192,12 @@ def test_a_bundled_mesh_has_a_name_and_is_closed(name):
     assert bounds_bodies(corners) == (name != "figure")  # which has single triangles that belong to no body
 
 
-def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
-    write(tmp_path, "obj", shape())
+def test_meshes_are_found_beside_the_scene_or_by_name_and_scale_turns_units_into_metres_about_the_middle(tmp_path):
+    path = write(tmp_path, "obj", shape())
     scene = scene_of(tmp_path, ("shape.obj", "position = [1.0, 2.0]"), ("tetrapod", "position = [9.0, 2.0]"))
     assert [target.path for target in scene.targets] == [str(tmp_path / "shape.obj"), "tetrapod"]
     mesh = prepare(scene).arrays.mesh
     assert np.bincount(mesh.target).tolist() == [6, 320]
-
-
-def test_scale_turns_units_into_metres_about_the_middle(tmp_path):
-    path = write(tmp_path, "obj", shape())
     scene = scene_of(tmp_path, (path, "position = [5.0, 7.0]\nscale = 0.5\nheading = 90.0"))
     corners = prepare(scene).arrays.mesh.corners
     np.testing.assert_allclose(corners.min(axis=(0, 1)), [4.5, 6.25, 0.0], atol=1e-12)

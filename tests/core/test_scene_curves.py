@@ -29,11 +29,15 @@ VERTICALS = [
 ]
 
 
-def test_width_of_a_gaussian_beam_is_that_declared() -> None:
+def test_width_of_a_gaussian_beam_is_that_declared_and_the_near_field_of_a_long_array_has_one_too() -> None:
     curve = beam_curve(edit(DEFAULT, {"sonar.beam": {"kind": "gaussian", "width": 2.0, "two_way": False}}))
     above = curve.x[curve.y >= -3.0103]
     assert np.ptp(above) == pytest.approx(2.0, abs=2.0 * (curve.x[1] - curve.x[0]))
     assert curve.note == "−3 dB: 2°, 1.74 m at 50 m"
+    scene = edit(DEFAULT, {"sonar.beam": {"kind": "array", "length": 2.0}, "sonar.frequency": 1e6, "sonar.range": 10.0})
+    near = beam_curve(scene)
+    assert near.y.max() < -3.0, "no direction is within 3 dB of the far field's axis"
+    assert float(near.note.split()[2].rstrip("°,")) > 0.0
 
 
 def test_far_field_of_a_line_array() -> None:
@@ -43,14 +47,6 @@ def test_far_field_of_a_line_array() -> None:
     expected = 20.0 * np.log10(np.abs(np.sinc(length * frequency / SPEED * np.sin(np.radians(curve.x)))))
     loud = expected > -15.0
     np.testing.assert_allclose(curve.y[loud], expected[loud], atol=0.05)
-
-
-def test_near_field_of_a_long_array_has_a_width_too() -> None:
-    """There no direction is within 3 dB of the far field's axis."""
-    scene = edit(DEFAULT, {"sonar.beam": {"kind": "array", "length": 2.0}, "sonar.frequency": 1e6, "sonar.range": 10.0})
-    curve = beam_curve(scene)
-    assert curve.y.max() < -3.0
-    assert float(curve.note.split()[2].rstrip("°,")) > 0.0
 
 
 @pytest.mark.parametrize("vertical", VERTICALS, ids=lambda spec: spec["kind"])
