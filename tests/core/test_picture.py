@@ -334,29 +334,14 @@ def test_a_bed_without_a_finite_height_has_the_curve_of_the_least_or_greatest_al
     np.testing.assert_array_equal(found[0], found[1])
 
 
-ALL_CHANGED = DisplayOptions(
-    side="port",
-    ground_range=True,
-    palette="grey",
-    gain=-3.5,
-    water_column=False,
-    reverse=True,
-    decibels=True,
-    levels=(0.1, 4.0),
-    side_gains=(0.0, 6.0),
-    side_slopes=(-2.0, 3.0),
-    newest_on_top=False,
-    bottom_line=True,
-    range_lines=True,
-    scale="true",
-    draped=True,
-)
-
-
 def test_every_option_is_read_back_and_a_whole_number_passes_for_a_gain() -> None:
     usual = DisplayOptions()
-    assert all(one != other for one, other in zip(ALL_CHANGED, usual))
-    assert DisplayOptions(**read_display(display_settings(ALL_CHANGED))) == ALL_CHANGED
+    switched = {name: not value for name, value in usual._asdict().items() if isinstance(value, bool)}
+    names = {"side": "port", "palette": "grey", "scale": "true"}
+    numbers = {"gain": -3.5, "levels": (0.1, 4.0), "side_gains": (0.0, 6.0), "side_slopes": (-2.0, 3.0)}
+    changed = DisplayOptions(**switched, **names, **numbers)
+    assert all(one != other for one, other in zip(changed, usual))
+    assert DisplayOptions(**read_display(display_settings(changed))) == changed
     assert display_settings(usual) == []
     assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
 
