@@ -20,15 +20,8 @@ from insonify.terrain.endless_field import PART, TILE, EndlessField, Nodes, gath
 from insonify.tow.line import tow_line_at
 from insonify.tracers import sweep
 
-FRACTAL = {
-    "kind": "fractal",
-    "beta": 1.6,
-    "rms": 0.1,
-    "period": 25.6,
-    "extent": "endless",
-    "clamp": "soft",
-    "coefficients": "gaussian",
-}
+SOFT = {"clamp": "soft", "coefficients": "gaussian"}
+FRACTAL = {"kind": "fractal", "beta": 1.6, "rms": 0.1, "period": 25.6, "extent": "endless"} | SOFT
 SIDE = 0.4 * TILE  # m
 # A tow that crosses from window to window in x and in y.
 SCENE = build(

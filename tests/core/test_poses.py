@@ -131,14 +131,8 @@ def test_a_sum_is_the_sum():
     st.booleans(),
 )
 def test_a_ping_depends_on_its_number_alone(numbers, rate, begin, period, following):
-    motion = sum_of(
-        {"kind": "turn", "rate": rate, "begin": begin},
-        {"kind": "heave", "period": period},
-        "sway",
-        "yaw",
-        "pitch",
-        "roll",
-    )
+    turn, heave = {"kind": "turn", "rate": rate, "begin": begin}, {"kind": "heave", "period": period}
+    motion = sum_of(turn, heave, "sway", "yaw", "pitch", "roll")
     scene = edit(load_scene("default"), {"track.motion": motion, "track.terrain_following": following})
     ground = build_ground(scene)
     whole = make_poses(scene, ground, np.array(numbers))
@@ -310,28 +304,19 @@ def test_the_line_is_without_the_motion():
         np.testing.assert_array_equal(one, other)
 
 
-SHALLOW = edit(
-    LEVEL,
-    {
-        "seabed.relief": {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3},
-        "track.altitude": 0.1,
-        "track.pings": 40,
-        "sonar.range": 20.0,
-    },
-)
-
-
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
-    ground, pings = build_ground(SHALLOW), np.arange(40)
-    placed = make_poses(SHALLOW, ground, pings)
+    rough = {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3}
+    shallow = edit(LEVEL, {"seabed.relief": rough, "track.altitude": 0.1, "track.pings": 40, "sonar.range": 20.0})
+    ground, pings = build_ground(shallow), np.arange(40)
+    placed = make_poses(shallow, ground, pings)
     inside = np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
     assert 0 < inside.size < 40
     with pytest.raises(SceneError, match=rf"^track.altitude: at ping {inside[0]} the sonar is .* m below the bed; "):
-        simulate(SHALLOW)
-    assert prepare(SHALLOW).intensity(np.setdiff1d(pings, inside)[:3]).sum() > 0.0
+        simulate(shallow)
+    assert prepare(shallow).intensity(np.setdiff1d(pings, inside)[:3]).sum() > 0.0
     with pytest.raises(SceneError, match=rf"at ping {inside[-1]} "):
-        prepare(SHALLOW).intensity(inside[-1:])
+        prepare(shallow).intensity(inside[-1:])
     # A track wholly below the bed is refused when it is planned.
     start = [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
     with pytest.raises(SceneError, match=r"^track.altitude: at ping 0 the sonar is .* m below the bed; "):
-        plan(edit(SHALLOW, {"track.pings": 1, "track.start": start}))
+        plan(edit(shallow, {"track.pings": 1, "track.start": start}))
