@@ -99,26 +99,19 @@ def test_relative_paths_are_taken_from_the_scene(tmp_path):
         assert (scene.seabed.relief.path, recorded.path) == (str(tmp_path / "bed.npy"), str(tmp_path / "tow.csv"))
 
 
-LARGEST, TOTAL = 6_000, 250_000  # bytes
-
-
-@pytest.mark.parametrize("name", bundled_scenes())
-def test_a_scene_has_a_small_picture(name: str) -> None:
-    path = bundled_picture(bundled_scenes()[name])
-    assert path.stat().st_size <= LARGEST
-    with Image.open(path) as picture:
-        assert picture.size == (150, 100)
-        low, high = picture.convert("L").getextrema()
-        assert high - low > 40, "it shows a record"
-        edges = [picture.convert("L").getpixel(place) for place in ((0, 50), (149, 50), (75, 0), (75, 99))]
-        assert min(edges) < 200, "the record fills it, without a page around"
-
-
-def test_pictures_are_those_of_scenes_and_meshes_and_light() -> None:
+def test_every_scene_has_a_small_picture_and_pictures_are_those_of_scenes_and_meshes_and_light() -> None:
+    for path in map(bundled_picture, bundled_scenes().values()):
+        assert path.stat().st_size <= 6_000, path
+        with Image.open(path) as picture:
+            assert picture.size == (150, 100), path
+            low, high = picture.convert("L").getextrema()
+            assert high - low > 40, f"{path} shows a record"
+            edges = [picture.convert("L").getpixel(place) for place in ((0, 50), (149, 50), (75, 0), (75, 99))]
+            assert min(edges) < 200, f"the record fills {path}, without a page around"
     bundled = [*bundled_scenes().values(), *bundled_meshes().values()]
     files = [path for folder in ("scenes", "meshes") for path in (resources() / folder / "pictures").iterdir()]
     assert sorted(files) == sorted(map(bundled_picture, bundled))
-    assert sum(path.stat().st_size for path in files) <= TOTAL
+    assert sum(path.stat().st_size for path in files) <= 250_000
 
 
 PAIRS = {"figure-2a": "figure-2b", "figure-4a": "figure-4b", "figure-5-pattern": "figure-5-relief"}
