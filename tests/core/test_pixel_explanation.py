@@ -126,7 +126,7 @@ def term(explained, name):
     return next(each.decibels for each in explained.terms if each.name == name)
 
 
-def test_terms_over_a_level_bed_are_the_sonar_equation():
+def test_terms_over_a_level_bed_are_the_sonar_equation_and_the_vertical_beam_one_of_its_own():
     explained = explain_pixel(flat(water__absorption=100.0, receiver__source_level=200.0), 10, 0, 250)
     r, length = 25.05, 0.1
     # A strip r Θ wide and Δr / cosθ long, θ the grazing angle.
@@ -142,9 +142,6 @@ def test_terms_over_a_level_bed_are_the_sonar_equation():
         assert term(explained, name) == expected, name
     assert explained.contributions[0].ground_range == pytest.approx(math.sqrt(r * r - 100.0), abs=0.02)
     assert explained.contributions[0].incidence == pytest.approx(math.degrees(math.acos(10.0 / r)), abs=0.1)
-
-
-def test_the_vertical_beam_is_a_term_of_its_own():
     beam = {"kind": "gaussian", "width": 40.0, "tilt": 20.0}
     explained = explain_pixel(flat(sonar__vertical=beam), 10, 0, 250)
     off = math.sin(math.asin(10.0 / 25.05) - math.radians(20.0)) / math.sin(math.radians(20.0))
