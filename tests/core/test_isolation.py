@@ -94,24 +94,19 @@ def test_modules_of_the_current_folder_are_not_imported(file, monkeypatch):
     assert not any(Path(found).is_relative_to(folder) for found in run_isolated(import_common, file))
 
 
-def test_a_loop_is_ended(file, monkeypatch):
-    assert run_isolated(chatter, file) == 3  # the process has started
-    began = time.perf_counter()
-    with monkeypatch.context() as patched:
-        patched.setattr(isolation, "LONGEST", 1.0)
-        with pytest.raises(FileFault, match="takes longer than 1 s to read"):
-            run_isolated(loop, file)
-    assert time.perf_counter() - began < 1.0 * child_process.STARVED + 4.0  # where others keep the processors busy
-    assert run_isolated(chatter, file) == 3
-
-
 def doze(path: str) -> int:
     time.sleep(1.5)
     return 4
 
 
-def test_a_reader_that_waits_is_ended_but_time_stands_still_while_it_waits_for_a_processor(file, monkeypatch):
+def test_a_reader_that_loops_or_waits_is_ended_but_time_stands_still_while_it_waits_for_a_processor(file, monkeypatch):
     assert run_isolated(chatter, file) == 3  # the process has started
+    began = time.perf_counter()
+    monkeypatch.setattr(isolation, "LONGEST", 1.0)
+    with pytest.raises(FileFault, match="takes longer than 1 s to read"):
+        run_isolated(loop, file)
+    assert time.perf_counter() - began < 1.0 * child_process.STARVED + 4.0  # where others keep the processors busy
+    assert run_isolated(chatter, file) == 3
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
     with pytest.raises(FileFault, match="takes longer than"):
         run_isolated(doze, file)
