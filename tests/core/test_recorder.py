@@ -169,12 +169,15 @@ def test_without_speckle_energies_add():
 
 
 @pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15
-def test_a_record_in_bits_leaves_as_a_recording_of_as_many_unchanged(tmp_path, bits, stored):
+def test_a_record_in_bits_leaves_as_a_recording_of_as_many_unchanged(tmp_path, capsys, bits, stored):
     scene = ["render", "default", "--set", f"receiver.recorder.bits={bits}", "--set", "receiver.speckle=rayleigh"]
     scene += ["--set", "track.pings=20", "--set", "receiver.tvg=power", "--set", "receiver.noise=ambient"]
     assert main([*scene, "-o", str(tmp_path / "a.npz")]) == 0
     assert main([*scene, "-o", str(tmp_path / "a.xtf"), "--bits", stored]) == 0
-    one, other = (read_record(tmp_path / name).intensity.values for name in ("a.npz", "a.xtf"))
-    np.testing.assert_allclose(np.sqrt(other), np.sqrt(one), rtol=1e-6)
-    assert np.unique(one).size <= 2 ** int(bits)
-    assert not one.all()
+    assert capsys.readouterr().out.count("20 pings of 2 x 1000 bins") == 2
+    one, other = (read_record(tmp_path / name) for name in ("a.npz", "a.xtf"))
+    np.testing.assert_allclose(np.sqrt(other.intensity), np.sqrt(one.intensity), rtol=1e-6)
+    np.testing.assert_allclose(other.platform_altitude, one.platform_altitude, rtol=1e-6)
+    assert other.attrs["frequency"] == one.attrs["frequency"] > 0.0
+    assert np.unique(one.intensity).size <= 2 ** int(bits)
+    assert not one.intensity.all()
