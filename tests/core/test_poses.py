@@ -67,7 +67,7 @@ def test_a_turn_is_an_arc_of_a_circle(rate):
     np.testing.assert_allclose(np.hypot(np.diff(found.x), np.diff(found.y)), 0.2, rtol=1e-5)
 
 
-def test_turns_that_overlap_add_up():
+def test_turns_that_overlap_add_up_and_a_circle_stays_one_after_a_hundred_million_pings():
     turns = [
         {"kind": "turn", "rate": rate, "begin": begin, "duration": 20.0} for rate, begin in ((4.0, 5.0), (-4.0, 15.0))
     ]
@@ -76,9 +76,6 @@ def test_turns_that_overlap_add_up():
     np.testing.assert_allclose(headings[150:250], 70.0, rtol=1e-12)
     np.testing.assert_allclose(headings[350:], 30.0, rtol=1e-12)
     assert np.abs(np.diff(np.hypot(np.diff(found.x), np.diff(found.y)))).max() < 1e-4
-
-
-def test_a_circle_stays_a_circle_after_a_hundred_million_pings():
     turn = {"kind": "turn", "rate": 3.6, "begin": 0.0, "duration": 1e8}
     near, far = poses(turn, np.arange(1000)), poses(turn, np.arange(1000) + 10**8)
     np.testing.assert_allclose(far.x, near.x, atol=1e-6)
