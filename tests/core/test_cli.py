@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -167,13 +168,8 @@ def test_a_folder_without_rights_is_a_sentence(tmp_path, capsys):
 
 def without(monkeypatch: pytest.MonkeyPatch, error: ImportError) -> None:
     """Let the viewer's own ``view`` fail as it does on a machine that lacks something."""
-    import insonify_viewer.commands
-
-    def run(arguments: object) -> int:
-        raise error
-
-    run.__module__ = "insonify_viewer.commands"
-    monkeypatch.setattr(insonify_viewer.commands, "run", run)
+    run = Mock(side_effect=error, __module__="insonify_viewer.commands")
+    monkeypatch.setattr("insonify_viewer.commands.run", run)
 
 
 def test_without_the_viewer_the_remedy_is_said(capsys, monkeypatch):
@@ -293,10 +289,7 @@ def test_streams_on_a_full_disk_are_told_as_far_as_they_can_be(words):
 
 
 def test_an_interrupt_while_the_command_loads_is_one_sentence(monkeypatch, capsys):
-    def interrupted():
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(process, "load", interrupted)
+    monkeypatch.setattr(process, "load", Mock(side_effect=KeyboardInterrupt))
     assert process.main() == 130
     assert capsys.readouterr().err == "insonify: interrupted; no file was touched\n"
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -169,12 +170,8 @@ def test_a_fault_comes_back_and_the_next_file_is_read(file, reader, error, words
 def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
     run_isolated(chatter, file)
     process = isolation._child
-
-    def interrupted(*arguments: object) -> None:
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patched:
-        patched.setattr(child_process, "_exactly", interrupted)
+        patched.setattr(child_process, "_exactly", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             run_isolated(give, file)
     assert process.process.poll() is not None

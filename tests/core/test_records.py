@@ -1,6 +1,7 @@
 """Records on disk and in blocks: what is read back is what was simulated, and no file is ever half there."""
 
 import warnings
+from unittest.mock import Mock
 
 import netCDF4
 import numpy as np
@@ -8,7 +9,6 @@ import pytest
 import xarray as xr
 import zarr
 
-import insonify.io.records.netcdf
 from commands import refused
 from insonify.cli import main
 from insonify.io.atomic import replacing
@@ -91,11 +91,8 @@ def test_a_link_keeps_pointing_where_it_did(tmp_path):
 
 def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
     """The netCDF library reports it as a RuntimeError, often only when the file is closed."""
-
-    def full(*_: object):
-        raise RuntimeError("NetCDF: HDF error")
-
-    monkeypatch.setattr(insonify.io.records.netcdf, "append_to", full)
+    full = Mock(side_effect=RuntimeError("NetCDF: HDF error"))
+    monkeypatch.setattr("insonify.io.records.netcdf.append_to", full)
     with pytest.raises(OSError, match=r"could not be written \(NetCDF: HDF error\)") as caught:
         write_record(tmp_path / "record.nc", [block(0, 4)])
     assert caught.value.filename == str(tmp_path / "record.nc")
