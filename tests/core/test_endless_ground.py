@@ -1,9 +1,11 @@
 """Scenes over endless ground: windows that no record shows."""
 
 import gc
+import itertools
 import sys
 import weakref
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -32,6 +34,7 @@ SCENE = build(
     }
 )
 PINGS = np.arange(40)
+NO_TILE = Mock(side_effect=AssertionError("a tile is made"))
 
 
 @pytest.fixture(scope="module")
@@ -87,21 +90,17 @@ def test_heights_are_those_of_the_window():
     assert (picture.min(), picture.max()) == (0, 255)
 
 
-def _forbidden(row, column):
-    raise AssertionError(f"tile {row}, {column} is made")
-
-
 @pytest.mark.parametrize("every", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_heights_of_a_few_places_need_no_tile(every):
     ground = build_ground(SCENE).thinned(every)
     x, y = np.random.default_rng(3).uniform(-60.0, 60.0, (2, 50))
     ARRAYS.clear()
-    at_once = replace(ground, heights=_forbidden).height_at_once(x, y)
+    at_once = replace(ground, heights=NO_TILE).height_at_once(x, y)
     exact = ground.height_at(x, y)
     np.testing.assert_allclose(at_once, exact, rtol=0.0, atol=1e-5 * np.std(exact))
     if every == 1:
         np.testing.assert_array_equal(ground.height_at_once(x, y), exact)  # those of tiles that are kept
-        excerpt = replace(build_excerpt(SCENE, (0.0, 0.0), (10.0, 10.0)), heights=_forbidden)
+        excerpt = replace(build_excerpt(SCENE, (0.0, 0.0), (10.0, 10.0)), heights=NO_TILE)
         x, y = np.array([5.0, 300.0]), np.array([5.0, -70.0])  # within it and beyond
         np.testing.assert_allclose(excerpt.height_at_once(x, y), ground.height_at(x, y), rtol=0.0, atol=1e-6)
 
@@ -161,18 +160,13 @@ def test_beds_of_all_grounds_share_one_bound(monkeypatch):
 
 
 def test_a_step_to_the_next_window_makes_its_new_tiles_alone():
-    asked: list[tuple[int, int]] = []
-
-    def tiles(row: int, column: int) -> np.ndarray:
-        asked.append((row, column))
-        return np.zeros((TILE, TILE), np.float32)
-
+    tiles = Mock(return_value=np.zeros((TILE, TILE), np.float32))
     ground = replace(build_ground(SCENE), heights=tiles)
     window = ground.window(0, 0, 100.0)
-    assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
-    asked.clear()
+    assert sorted(asked.args for asked in tiles.mock_calls) == list(itertools.product((-1, 0, 1), (-1, 0, 1)))
+    tiles.reset_mock()
     ground.window(0, 1, 100.0, StoredWindow(0, 0, window.heights, window.materials))
-    assert sorted(asked) == [(row, column) for row in (-1, 0, 1) for column in (1, 2)]
+    assert sorted(asked.args for asked in tiles.mock_calls) == list(itertools.product((-1, 0, 1), (1, 2)))
 
 
 @pytest.mark.parametrize("every", [2, pytest.param(8, marks=pytest.mark.slow)])
