@@ -72,15 +72,9 @@ def test_no_pings_blocks_or_threads_are_refused(options, sentence):
 
 
 def test_echoes_alone_are_traced_by_as_many_threads_as_a_simulation_has():
-    simulation, seen = prepare(small(40), threads=1), []
-    trace = simulation.tracer.trace
-
-    def note(*args, **settings):
-        seen.append(count_threads())
-        return trace(*args, **settings)
-
-    replace(simulation, tracer=SimpleNamespace(trace=note)).trace(simulation.poses(np.arange(40)))
-    assert seen == [1]
+    simulation = prepare(small(40), threads=1)
+    counting = SimpleNamespace(trace=lambda *_, **__: count_threads())
+    assert replace(simulation, tracer=counting).trace(simulation.poses(np.arange(40))) == 1
 
 
 @pytest.mark.parametrize("truth", [False, True])
