@@ -110,12 +110,6 @@ def test_contrast_of_even_beds_and_strong_materials_and_targets():
     assert choose_contrast(np.concatenate([silt, target]))[1] < 0.3
 
 
-def test_gain_brightens_by_decibels_and_not_a_number_is_silence():
-    amplitude = np.array([0.25, np.nan], dtype=np.float32)
-    assert (map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))).all()
-    assert map_tones(amplitude, (0.0, 1.0), gain=60.0).tolist() == [255, 0]
-
-
 def test_port_lies_left_starboard_right_newest_on_top():
     sides = np.zeros((2, 2, 4), dtype=np.float32)
     sides[0, 0, 1] = 1.0  # oldest ping, port, second bin
@@ -288,7 +282,10 @@ def test_gains_of_a_side_and_over_range() -> None:
     assert side_factors(DisplayOptions(), 1000) is None
 
 
-def test_a_palette_linear_in_decibels_and_one_turned_round() -> None:
+def test_tones_by_gain_of_a_palette_linear_in_decibels_and_of_one_turned_round() -> None:
+    amplitude = np.array([0.25, np.nan], dtype=np.float32)
+    assert (map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))).all()
+    assert map_tones(amplitude, (0.0, 1.0), gain=60.0).tolist() == [255, 0], "not a number is silence"
     tones = map_tones(np.array([0.0, 0.01, 0.1, 1.0, 9.0], np.float32), (0.0, 1.0), decibels=True)
     assert tones.tolist() == [0, 0, 128, 255, 255], "40 dB below the upper end at most"
     assert map_tones(np.array([0.1, 0.316, 1.0], np.float32), (0.1, 1.0), decibels=True).tolist() == [0, 127, 255]

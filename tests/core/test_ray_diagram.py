@@ -46,7 +46,7 @@ def test_the_bed_is_dark_beyond_the_limiting_range_and_the_shadow_bounded_by_its
     assert not diagram.shadow[CELLS // 2 :, x < LIMIT].any()
 
 
-def test_rays_have_round_angles_and_end_at_the_ends_of_the_water(diagram):
+def test_rays_have_round_angles_and_end_at_the_ends_of_the_water_and_eigenrays_join_sonar_and_point(diagram):
     angles = [path.angle for path in diagram.rays]
     assert 0.0 in angles
     assert angles == sorted(angles)
@@ -56,9 +56,6 @@ def test_rays_have_round_angles_and_end_at_the_ends_of_the_water(diagram):
         ends = (path.range[-1] - 450.0, path.depth[-1], path.depth[-1] - 40.0)
         assert min(map(abs, ends)) < 1e-9
         assert (np.diff(path.time) > 0.0).all()
-
-
-def test_eigenrays_join_the_sonar_and_the_point(diagram):
     assert len(diagram.eigenrays) == 3
     for ray in diagram.eigenrays:
         assert (ray.range[-1], ray.depth[-1]) == (400.0, 25.0)
