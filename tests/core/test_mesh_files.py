@@ -90,15 +90,12 @@ def test_what_bounds_bodies_is_closed_and_faces_outwards():
     assert not bounds_bodies(np.concatenate([two[:12], two[12:, ::-1]]))
 
 
-def test_an_open_surface_winds_alike_as_its_first_triangle_does(tmp_path):
+def test_an_open_surface_winds_as_its_first_triangle_does_and_one_of_one_side_is_taken_as_it_is(tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2\nf 1 3 4\n")
     corners = read_mesh(str(path))
     tree = build_mesh(corners, np.zeros(2, np.int64), np.zeros(2, np.int64))
     np.testing.assert_array_equal(tree.normal, [[0, 0, -1], [0, 0, -1]])
-
-
-def test_a_surface_of_one_side_is_taken_as_it_is(tmp_path):
     angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
     across = np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)], axis=1)
     middle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 3.0
