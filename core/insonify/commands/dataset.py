@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         drawn = (draw_scene(specification, work.base, number) for number in range(arguments.preview))
         tiles = [tile for scene in drawn for tile in islice(work.cut(scene), PREVIEWED)]
         with replacing(work.folder) as beside:
-            draw_sheet(beside, [(tile.image, tile.told) for tile in tiles])
+            draw_sheet(beside, [(tile.image, tile.description) for tile in tiles])
         say(f"{arguments.output}: {len(tiles)} images of {arguments.preview} scenes")
         return 0
     ended = work_on(work, "data set", arguments.scheduler)

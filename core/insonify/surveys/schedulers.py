@@ -172,7 +172,7 @@ def _connect_to(protocol: str, rest: str) -> Iterator[Any]:
 
 
 def share_cores(text: str) -> tuple[int, int]:
-    """Return the number of workers and the threads of each, whose product is the number of usable cores."""
+    """Return the number of workers and the threads of each; their product is at most the number of usable cores."""
     cores = most_threads()
     if text and not (text.isdecimal() and int(text) > 0):
         raise SceneError(f"--scheduler local:{text}: {text!r} is not a number of workers; give a whole number from 1")

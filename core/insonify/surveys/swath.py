@@ -1,4 +1,4 @@
-"""Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
+"""Swath of a record on the map: lines of the pings, and their echoes at every ground range."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence

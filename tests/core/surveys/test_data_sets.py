@@ -264,7 +264,7 @@ def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path)
         tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
     store.write(tmp_path, "0", "0", tiles)
     for tile in tiles:
-        np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
+        np.testing.assert_array_equal(store.read_image(tmp_path, tile.description["file"]), tile.image)
 
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):

@@ -38,12 +38,12 @@ def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecific
                 picture = drawn.draws.table(Picture, f"picture.{path}", specification.picture)
                 edges = _edges(drawn, place, amplitude.shape[1:], chip, picture, extent)
                 tile = _cut(drawn, place, sides[channel], (amplitude[channel], curve), edges, chip, picture)
-                shown = [found["target"] for found in tile.told["targets"]]
+                shown = [found["target"] for found in tile.description["targets"]]
                 if place.target in shown or (place.target is None and not shown):
                     shows = None if place.target is None else drawn.classes.get(place.target)
                     name = f"{drawn.number:07d}-{path.replace('.', '-')}"
-                    told = {"name": name, "split": drawn.split, "class": shows, **tile.told}
-                    yield Tile(tile.image, tile.mask, told)
+                    description = {"name": name, "split": drawn.split, "class": shows, **tile.description}
+                    yield Tile(tile.image, tile.mask, description)
 
 
 def _channel(view: View) -> int:
@@ -76,7 +76,7 @@ def _cut(
     pixel = (rows[-1] - rows[0]) * (columns[-1] - columns[0]) / (high * wide)
     whole = [found._replace(box=(0, high, 0, wide), area=max(round(found.area / pixel), 1)) for found in side.targets]
     cut = RecordSide(layers[0], layers[1], layers[2], layers[3], whole)
-    told = {
+    description = {
         "scene": drawn.number,
         "side": CHANNELS[_channel(view)],
         "first_ping": int(rows[0]),
@@ -84,7 +84,7 @@ def _cut(
         "shape": [high, wide],
         "targets": list(targets_within(cut, 0, 0, Tiles(pings=high, bins=wide, least=chip.least))),
     }
-    return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), told)
+    return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), description)
 
 
 def _edges(

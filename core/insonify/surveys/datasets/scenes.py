@@ -116,14 +116,12 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
 
     A scene that only some of the values make impossible is left to its job.
     """
-    tables = {"": specification.set, **{f"targets.{group.name}.": group.set for group in specification.targets}}
-    for prefix, table in tables.items():
-        for path, declared in table.items():
-            place = f"targets.0.{path}" if prefix else path
-            strange = next((name for name in _paths(place, declared) if not is_field(Scene, name)), None)
-            if strange is not None:
-                told = strange.replace("targets.0.", prefix, 1) if prefix else strange
-                raise SceneError(f"set: {told} is not a field of a scene; correct its name")
+    groups = [("targets.0.", f"targets.{group.name}.", group.set) for group in specification.targets]
+    for place, written, table in [("", "", specification.set), *groups]:
+        names = (name for path, declared in table.items() for name in _paths(path, declared))
+        strange = next((name for name in names if not is_field(Scene, f"{place}{name}")), None)
+        if strange is not None:
+            raise SceneError(f"set: {written}{strange} is not a field of a scene; correct its name")
     faults = []
     # The first scene without targets of a class, 0 if there is none among the first hundred.
     shares = (hash_share(specification.seed, number, "negatives") for number in range(100))

@@ -118,7 +118,7 @@ def _cut(drawn: DrawnScene, side: RecordSide, place: tuple[str, int, int], tiles
     """Cut one tile, and describe it."""
     channel, ping, first = place
     window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
-    told = {
+    description = {
         "name": f"{drawn.number:07d}-{channel}-{ping}-{first}",
         "split": drawn.split,
         "scene": drawn.number,
@@ -128,7 +128,7 @@ def _cut(drawn: DrawnScene, side: RecordSide, place: tuple[str, int, int], tiles
         "shape": [tiles.pings, tiles.bins],
         "targets": list(targets_within(side, ping, first, tiles)),
     }
-    return Tile(side.image[window], side.mask[window], told)
+    return Tile(side.image[window], side.mask[window], description)
 
 
 def targets_within(side: RecordSide, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:

@@ -51,7 +51,7 @@ class DatasetWork:
             scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
         if tiles:
             self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
-        return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
+        return {"made": len(tiles), "scenes": scenes, "tiles": [tile.description for tile in tiles]}
 
     def begun(self) -> Self:
         """Return the work as it is: scenes have nothing to share."""
@@ -74,7 +74,7 @@ class DatasetWork:
         """Tiles of one scene that are kept, annotated."""
         wanted, classes = self.specification, self.specification.classes
         for tile in self.cut(drawn):
-            description = tile.told
+            description = tile.description
             # Chips, and tiles with targets, are always kept; a share of the empty tiles is kept at random.
             always = wanted.chips is not None or description["targets"]
             share = hash_share(wanted.seed, description["scene"], description["name"])
