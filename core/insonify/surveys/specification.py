@@ -52,10 +52,10 @@ def _read_values(
     return {**inherited, **joined}
 
 
-def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
-    """List all that a survey or a data set depends on: specification, base scene, content of files, version."""
+def contents_of(specification: BaseModel, base: Scene, *without: str) -> list[Any]:
+    """List all that a survey or a data set depends on: specification (less some fields), base scene, files, version."""
     # Where the files are does not count, so that a folder of all of them can be moved.
-    values = specification.model_dump(mode="json", exclude={"base"})
+    values = specification.model_dump(mode="json", exclude={"base", *without})
     return [changed_paths(values, _content), changed_paths(plain(base), _content), version("insonify")]
 
 

@@ -79,10 +79,10 @@ def test_a_scene_is_sampled_as_declared():
         drawn = draw_scene(specification(negatives=0.0), BASE, number)
         scene, bin_length = drawn.scene, drawn.scene.sonar.range / 192
         assert 2.0 * scene.targets[0].outline.half[0] / bin_length == pytest.approx(
-            drawn.drawn["sampling.length"], 1e-6
+            drawn.draws.drawn["sampling.length"], 1e-6
         )
         step = scene.track.speed / scene.sonar.ping_rate
-        assert step / bin_length == pytest.approx(drawn.drawn["sampling.step"])
+        assert step / bin_length == pytest.approx(drawn.draws.drawn["sampling.step"])
         assert scene.altitude == pytest.approx(0.2 * scene.sonar.range)
         assert 750.0 * scene.sonar.pulse.duration == pytest.approx(1.5 * bin_length)
         half = math.radians(scene.sonar.beam.width)

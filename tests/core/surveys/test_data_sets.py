@@ -73,7 +73,7 @@ def test_a_scene_depends_on_its_number_and_no_value_on_another_field():
     one, more = data_set(), data_set(SET.replace("[set]\n", '[set]\n"sonar.frequency" = 3e5\n'))
     first = draw_scene(one, BASE, 3)
     assert first == draw_scene(one, BASE, 3)
-    assert first.drawn == draw_scene(more, BASE, 3).drawn
+    assert first.draws.drawn == draw_scene(more, BASE, 3).draws.drawn
     assert first.scene.seed != draw_scene(one, BASE, 4).scene.seed
     assert 5.0 <= first.scene.track.altitude <= 7.0
 

@@ -39,7 +39,7 @@ class Draws:
     _seed: int
     _number: int
     _share_of_values: float | None = None  # that takes the place of those drawn for values
-    drawn: dict[str, Any] = field(default_factory=dict)
+    drawn: dict[str, Any] = field(default_factory=dict)  # every value that was drawn, by its path
 
     def share(self, path: str) -> float:
         """Draw a number inside (0, 1) that is not recorded."""
@@ -89,11 +89,6 @@ class DrawnScene(NamedTuple):
     classes: dict[int, str]  # class of each drawn target by its index in the scene
     draws: Draws  # by which it was drawn
     views: tuple[View, ...] = ()  # of the targets
-
-    @property
-    def drawn(self) -> dict[str, Any]:
-        """Every value that was drawn, by its path."""
-        return self.draws.drawn
 
     @property
     def digest(self) -> str:

@@ -17,7 +17,6 @@ from insonify.surveys.specification import contents_of
 from insonify.surveys.storages import Tile
 
 WARMING = 4  # pings of a scene that compiles the kernels
-GROWS = "scenes"  # field on which no scene depends: a data set may grow
 
 
 @dataclass(frozen=True)
@@ -31,8 +30,8 @@ class DatasetWork:
     @cached_property
     def digest(self) -> str:
         """Hash of all that every job depends on."""
-        values, *others = contents_of(self.specification, self.base)
-        return digest_of({name: value for name, value in values.items() if name != GROWS}, *others)
+        # A data set may grow: no scene depends on their number.
+        return digest_of(*contents_of(self.specification, self.base, "scenes"))
 
     def names(self) -> list[str]:
         """Names of all jobs."""
@@ -48,7 +47,7 @@ class DatasetWork:
             drawn = draw_scene(self.specification, self.base, number)
             tiles += self._tiles_of(drawn)
             toml = scene_to_toml(drawn.scene)
-            scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
+            scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.draws.drawn, "toml": toml})
         if tiles:
             self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.description for tile in tiles]}
