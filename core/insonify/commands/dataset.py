@@ -30,7 +30,7 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Do the missing jobs, then write the files about the whole data set."""
     # lazy: the other commands need none of it
     from insonify.io.atomic import replacing
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from insonify.surveys.datasets.scenes import check_draws, draw_scene
     from insonify.surveys.datasets.specification import DatasetSpecification
     from insonify.surveys.datasets.work import DatasetWork
-    from insonify.surveys.engine import INTERRUPTED, work_on
+    from insonify.surveys.engine import work_on
     from insonify.surveys.specification import read_specification
 
     bundled = bundled_specifications("datasets")
@@ -54,14 +54,11 @@ def run(arguments: argparse.Namespace) -> int:
         with replacing(work.folder) as beside:
             draw_sheet(beside, [(tile.image, tile.description) for tile in tiles])
         say(f"{arguments.output}: {len(tiles)} images of {arguments.preview} scenes")
-        return 0
+        return
     ended = work_on(work, "data set", arguments.scheduler)
-    if ended is None:
-        return INTERRUPTED
     totals = assemble(specification, work.folder, ended.done)
     counts = ", ".join(f"{totals.tiles[split]} {split}" for split in specification.splits)
     scenes = len(ended.done) * specification.storage.scenes
     images, targets = totals.tiles.total(), totals.targets.total()
     say(f"{arguments.output}: {scenes} scenes, {images} images ({counts}), {targets} targets")
     ended.refuse_failures()
-    return 0

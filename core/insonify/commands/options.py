@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, count, repeat
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from insonify.files import bundled_specifications
 from insonify.io.atomic import NEW, temporary_path
@@ -103,15 +103,15 @@ class _Methods:
         return iter(list_methods())
 
 
-def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return the overrides of the plan, by their subjects."""
+def chosen_method(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return method, tolerance and model choices as arguments of `insonify.planning.plan`."""
     forced = {}
     for text in arguments.model:
         subject, equals, choice = text.partition("=")
         if not equals:
             raise SceneError(f"--model {text}: there is no '='; write SUBJECT=CHOICE, such as planes=16 or bending=off")
         forced[subject.strip()] = choice.strip()
-    return forced
+    return {"method": arguments.method, "tolerance": arguments.tolerance, "forced": forced}
 
 
 def is_record(name: str) -> bool:

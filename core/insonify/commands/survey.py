@@ -23,13 +23,13 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Simulate the missing lines, then write the files about the whole survey."""
     # lazy: the other commands need none of it
     from insonify.errors import SceneError
     from insonify.io.object_store import folder_at, in_store
     from insonify.scene import load_scene
-    from insonify.surveys.engine import INTERRUPTED, work_on
+    from insonify.surveys.engine import work_on
     from insonify.surveys.lines.specification import SurveySpecification
     from insonify.surveys.lines.summary import PAGE, summarise
     from insonify.surveys.lines.work import SurveyWork
@@ -44,11 +44,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     work = SurveyWork(specification, load_scene(specification.base), folder)
     ended = work_on(work, "survey", arguments.scheduler, "line")
-    if ended is None:
-        return INTERRUPTED
     if ended.done:
         coverage = summarise(work, ended.done)
         share = f"{100.0 * coverage.once:.1f} % of {coverage.area:.4g} m² shown"
         say(f"{arguments.output}: {len(ended.done)} lines, {share}; see {Path(arguments.output) / PAGE}")
     ended.refuse_failures()
-    return 0

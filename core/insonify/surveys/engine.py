@@ -304,8 +304,8 @@ class Ended(NamedTuple):
             )
 
 
-def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended | None:
-    """Do the jobs of a work that are not done yet, and show their progress; None after an interruption."""
+def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended:
+    """Do the jobs of a work that are not done yet, and show their progress; an interruption ends the program."""
     names = list(work.names())
     missing = prepare_folder(work.folder, names, what)
     if not missing:
@@ -326,7 +326,7 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
         sys.stderr.write(f"insonify: {sentence}\n")
         if isinstance(leaving, SystemExit):
             raise
-        return None
+        raise SystemExit(INTERRUPTED) from None
     finally:
         progress.close()
     failed = {failure.name for failure in failures}
