@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from insonify.errors import located
-from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
+from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
@@ -89,11 +89,6 @@ class DrawnScene(NamedTuple):
     classes: dict[int, str]  # class of each drawn target by its index in the scene
     draws: Draws  # by which it was drawn
     views: tuple[View, ...] = ()  # of the targets
-
-    @property
-    def digest(self) -> str:
-        """Hash of the scene."""
-        return hashlib.sha256(scene_to_toml(self.scene).encode()).hexdigest()[:16]
 
 
 def split_of(splits: Mapping[str, float], number: int) -> str:
@@ -237,9 +232,11 @@ def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], dra
     """Places of targets on the bed, clear of one another."""
     taken: list[_Placed] = []
     for one, radius in zip(wanted, radii):
-        tries = (_place(scene, one, f"{one.path}.{attempt}", draws) for attempt in range(ATTEMPTS))
-        placed = next((placed for placed in tries if _is_clear(placed[0], radius, taken, radii)), None)
-        if placed is None:
+        for attempt in range(ATTEMPTS):
+            placed = _place(scene, one, f"{one.path}.{attempt}", draws)
+            if all(math.dist(placed[0], other) > radius + beside for (other, _), beside in zip(taken, radii)):
+                break
+        else:
             raise SceneError(
                 f"targets.{one.group.name}: {len(wanted)} targets do not fit side by side; lower count, or "
                 "widen along and ground_range"
@@ -247,11 +244,6 @@ def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], dra
         draws.drawn[f"{one.path}.position"] = placed[0]
         taken.append(placed)
     return taken
-
-
-def _is_clear(place: list[float], radius: float, taken: Sequence[_Placed], radii: Sequence[float]) -> bool:
-    """Whether a target of some radius touches none of those that have their places."""
-    return all(math.dist(place, other) > radius + beside for (other, _), beside in zip(taken, radii))
 
 
 def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> _Placed:

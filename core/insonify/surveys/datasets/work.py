@@ -1,5 +1,6 @@
 """Work of a data set: each job draws some scenes, simulates them, and stores the tiles of their records."""
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -47,7 +48,8 @@ class DatasetWork:
             drawn = draw_scene(self.specification, self.base, number)
             tiles += self._tiles_of(drawn)
             toml = scene_to_toml(drawn.scene)
-            scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.draws.drawn, "toml": toml})
+            digest = hashlib.sha256(toml.encode()).hexdigest()[:16]
+            scenes.append({"scene": number, "hash": digest, "drawn": drawn.draws.drawn, "toml": toml})
         if tiles:
             self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.description for tile in tiles]}
