@@ -7,10 +7,6 @@ from typing import Any
 from insonify.commands.options import add_specification, say
 from insonify.files import bundled_specifications
 
-EXAMPLES = (
-    "examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes 8; "
-    "insonify dataset wrecks --preview 24 -o sheet.png"
-)
 PREVIEWED = 1  # images of each scene on a preview
 
 
@@ -20,7 +16,8 @@ def register(subparsers: Any) -> None:
         "dataset",
         description="Draw scenes, simulate them, and cut their records into images with masks and annotations. "
         "Finished jobs are not repeated: the same command continues after an interruption, or adds scenes.",
-        epilog=EXAMPLES,
+        epilog="examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes "
+        "8; insonify dataset wrecks --preview 24 -o sheet.png",
     )
     add_specification(parser, "datasets", "data set")
     parser.add_argument("--scenes", metavar="N", help="number of scenes, in place of the number in the specification")

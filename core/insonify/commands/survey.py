@@ -7,8 +7,6 @@ from typing import Any
 from insonify.commands.options import add_specification, say
 from insonify.files import bundled_specifications
 
-EXAMPLES = "examples: insonify survey harbour -o harbour; insonify survey my-survey.toml -o survey --scheduler local:4"
-
 
 def register(subparsers: Any) -> None:
     """Add ``survey``."""
@@ -17,7 +15,8 @@ def register(subparsers: Any) -> None:
         description="Tow over one scene along parallel lines that cover an area, or along given lines, and write a "
         "record for each line, their mosaic (.tif), the coverage (.tif) and a page that sums it up. Finished "
         "lines are not repeated: the same command continues after an interruption.",
-        epilog=EXAMPLES,
+        epilog="examples: insonify survey harbour -o harbour; insonify survey my-survey.toml -o survey --scheduler "
+        "local:4",
     )
     add_specification(parser, "surveys", "survey")
     parser.set_defaults(run=run)
