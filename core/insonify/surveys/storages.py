@@ -143,18 +143,15 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
 
 
 def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:
-    """Suffix and content of all files of a tile, by folder: image, mask, annotations."""
-    pictures = {IMAGES: tile.image, MASKS: tile.mask}
-    return {beside: (".png", _encode(pixels)) for beside, pixels in pictures.items()} | tile.labels
-
-
-def _encode(pixels: Pixels) -> bytes:
-    """Encode grey levels of 8 or 16 bits as PNG."""
+    """Suffix and content of all files of a tile, by folder: image and mask as PNG of 8 or 16 bits, annotations."""
     from PIL import Image
 
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "png", compress_level=4)
-    return buffer.getvalue()
+    members = {}
+    for beside, pixels in ((IMAGES, tile.image), (MASKS, tile.mask)):
+        buffer = io.BytesIO()
+        Image.fromarray(pixels).save(buffer, "png", compress_level=4)
+        members[beside] = ".png", buffer.getvalue()
+    return members | tile.labels
 
 
 def _decode(source: Any) -> Pixels:
