@@ -25,10 +25,8 @@ FALLBACK = "insonify.png"  # its name, if none is given and there is no such fil
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
     """Add the options for a scene and its settings."""
     explained = "name of a bundled scene (see 'insonify scenes') or a TOML file"
-    if optional:
-        parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, metavar="SCENE", help=explained)
-    else:
-        parser.add_argument("scene", metavar="SCENE", help=explained)
+    default: dict[str, Any] = {"nargs": "?", "default": DEFAULT_SCENE} if optional else {}
+    parser.add_argument("scene", metavar="SCENE", help=explained, **default)
     add_many(parser, "--set", "PATH=VALUE", "set a field of the scene, e.g. sonar.beam.width=2.5")
     parser.add_argument("--seed", metavar="N", help="same as --set seed=N")
 
