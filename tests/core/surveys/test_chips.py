@@ -125,7 +125,7 @@ def test_windows_about_the_extent_have_the_proportions_of_echo_and_shadow():
     record = simulate(drawn.scene, truth=True, tolerance=0.2)
     shown, bed = cut_chips(drawn, record, wanted)
     assert shown.image.shape == bed.image.shape == tuple(shown.description["shape"])
-    first, last, near, far = record["target_box"].values[0, 0 if drawn.views[0].port else 1]
+    first, last, near, far = record["target_box"].values[0, drawn.views[0].channel]
     step = drawn.scene.track.speed / drawn.scene.sonar.ping_rate
     size = np.array([(last + 1 - first) * step, (far + 1 - near) * drawn.scene.sonar.range / drawn.scene.sonar.bins])
     sides = (size + 0.25 * size.max()) / (2.0, 1.0)  # a border of one breadth; a pixel spans twice as much along

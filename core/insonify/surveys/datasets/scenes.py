@@ -66,8 +66,8 @@ class Draws:
 
     def seed(self, path: str) -> int:
         """Draw the seed of a scene's random numbers."""
-        self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
-        return int(self.drawn[path])
+        seed = self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
+        return seed
 
 
 class View(NamedTuple):
@@ -75,7 +75,7 @@ class View(NamedTuple):
 
     target: int | None  # index in the scene; None of a target that was left out
     along: float  # share of the tow
-    port: bool  # whether it lies to port
+    channel: int  # side of the record, 0 to port and 1 to starboard
     ground_range: float  # m
     length: float  # m, of the target
 
@@ -255,7 +255,7 @@ def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> _Placed:
     line = tow_line_at(scene, np.array([along * (scene.track.pings - 1)]))
     x, y, heading = (float(column[0]) for column in line)
     place = x - side * across * math.sin(heading), y + side * across * math.cos(heading)
-    return [round(coordinate, DIGITS) for coordinate in place], View(None, along, side > 0.0, across, 0.0)
+    return [round(coordinate, DIGITS) for coordinate in place], View(None, along, int(side < 0.0), across, 0.0)
 
 
 def _quantile(declared: Any, share: float) -> Any:
