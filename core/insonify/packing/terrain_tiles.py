@@ -33,7 +33,6 @@ class TerrainTiles:
     """Beds, one for each tile of endless ground; any other ground is one tile."""
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
-        self.reach = reach
         self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def expect(self, poses: Poses) -> None:
