@@ -211,10 +211,7 @@ def _start_workers(text: str) -> Iterator[Any]:
         "distributed.scheduler.http.routes": [],
         "distributed.worker.http.routes": [],
     }
-    with ExitStack() as stack:
-        stack.enter_context(_safe_path())
-        stack.enter_context(dask.config.set(settings))
-        stack.enter_context(warnings.catch_warnings())
+    with _safe_path(), dask.config.set(settings), warnings.catch_warnings(), ExitStack() as stack:
         # Warnings of slow disks and busy ports need no action of the user.
         warnings.filterwarnings("ignore", module="distributed")
         warnings.filterwarnings("ignore", message="Creating scratch directories")  # of contextlib, by its level
@@ -225,10 +222,9 @@ def _start_workers(text: str) -> Iterator[Any]:
                 dashboard_address=UNSEEN,
                 scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL,
-                env={VARIABLE: str(threads), **dict.fromkeys(LIBRARIES, str(threads))},
+                env=dict.fromkeys((VARIABLE, *LIBRARIES), str(threads)),
             )
-            stack.enter_context(cluster)
-            client = stack.enter_context(Client(cluster, set_as_default=False))
+            client = stack.enter_context(Client(stack.enter_context(cluster), set_as_default=False))
         yield client
 
 
