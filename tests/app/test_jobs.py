@@ -151,7 +151,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
 
     monkeypatch.setattr(SurveyQuestion, "exec", answer)
     view.survey_wanted.emit()
-    specification = read_specification(begun[-1][1], SurveySpecification, {}, {})
+    specification = read_specification(begun[-1][1], SurveySpecification, "surveys")
     assert specification.mosaic.overlap == "nearest"
     lines = lay_lines(specification)
     ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
@@ -165,7 +165,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
     ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
     monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
     view.dataset_wanted.emit()
-    specification = read_specification(begun[-1][1], DatasetSpecification, {}, {})
+    specification = read_specification(begun[-1][1], DatasetSpecification, "datasets")
     drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
     altitudes = [one.scene.track.altitude for one in drawn]
     assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)

@@ -5,7 +5,6 @@ from itertools import islice
 from typing import Any
 
 from insonify.commands.options import add_specification, say
-from insonify.files import bundled_specifications
 
 PREVIEWED = 1  # images of each scene on a preview
 
@@ -40,9 +39,8 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.surveys.engine import work_on
     from insonify.surveys.specification import read_specification
 
-    bundled = bundled_specifications("datasets")
     changes = {} if arguments.scenes is None else {"scenes": arguments.scenes}
-    specification = read_specification(arguments.specification, DatasetSpecification, bundled, changes)
+    specification = read_specification(arguments.specification, DatasetSpecification, "datasets", **changes)
     work = DatasetWork(specification, load_scene(specification.base), folder_at(arguments.output))
     check_draws(specification, work.base)
     if arguments.preview is not None:

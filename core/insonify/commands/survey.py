@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import add_specification, say
-from insonify.files import bundled_specifications
 
 
 def register(subparsers: Any) -> None:
@@ -34,8 +33,7 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.surveys.lines.work import SurveyWork
     from insonify.surveys.specification import read_specification
 
-    bundled = bundled_specifications("surveys")
-    specification = read_specification(arguments.specification, SurveySpecification, bundled, {})
+    specification = read_specification(arguments.specification, SurveySpecification, "surveys")
     folder = folder_at(arguments.output)
     if in_store(folder):
         raise SceneError(

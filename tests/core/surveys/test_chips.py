@@ -223,7 +223,8 @@ def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
     group = '[[targets]]\nname = "{}"\nof = ["drum"]\nweight = {}\n'
     text = 'like = "old.toml"\ngroups = "one"\nnegatives = 0.0\n[chips]\npixels = 32\n'
     (tmp_path / "new.toml").write_text(text + group.format("drum", 3.0) + group.format("barrel", 1.0))
-    old, new = (read_specification(f"{tmp_path}/{name}.toml", DatasetSpecification, {}, {}) for name in ("old", "new"))
+    paths = (str(tmp_path / name) for name in ("old.toml", "new.toml"))
+    old, new = (read_specification(path, DatasetSpecification, "datasets") for path in paths)
     assert (old.chips["pixels"], new.chips["pixels"], new.chips["margin"]) == (48, 32, 1.5)
     assert (new.classes, new.sampling, new.title) == (["drum", "barrel"], old.sampling, old.title)
     drawn = [list(draw_scene(new, BASE, number).classes.values()) for number in range(40)]
