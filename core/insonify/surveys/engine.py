@@ -138,20 +138,19 @@ def _put(file: Path, final: Path) -> None:
         file.replace(final)
 
 
-def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
+def prepare_folder(folder: Path, names: Sequence[str], what: str) -> list[str]:
     """Make the folder of a work, or resume one that contains a part of it; return the jobs that are missing."""
-    wanted = list(names)
     if folder.exists() and not (folder / FLAGS).is_dir() and (not folder.is_dir() or any(folder.iterdir())):
         raise SceneError(f"-o {folder}: contains other files; give a new folder, or that of an earlier run")
     done = done_jobs(folder)
-    foreign = sorted(done.difference(wanted))
+    foreign = sorted(done.difference(names))
     if foreign:
         raise SceneError(
             f"-o {folder}: contains {len(foreign)} jobs of another {what}, or of another version of insonify, such as "
             f"{foreign[0]}; give a new folder, or the specification of the earlier run"
         )
     _clear_unfinished(folder)
-    return [name for name in wanted if name not in done]
+    return [name for name in names if name not in done]
 
 
 def _clear_unfinished(folder: Path) -> None:

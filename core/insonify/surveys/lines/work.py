@@ -134,15 +134,13 @@ def _fixes(line: SurveyLine) -> Iterator[tuple[float, float, float, float]]:
     yield 0.0, *line.start, line.heading
     yield line.length, *line.end, line.heading
     if line.turn:
-        centre = (
-            line.end[0] - line.turn * math.sin(line.heading),
-            line.end[1] + line.turn * math.cos(line.heading),
-        )
+        x_centre = line.end[0] - line.turn * math.sin(line.heading)
+        y_centre = line.end[1] + line.turn * math.cos(line.heading)
         steps = math.ceil(math.pi / ARC_STEP)
         for step in range(1, steps + 1):
             turned = line.heading + math.copysign(math.pi * step / steps, line.turn)
-            x = centre[0] + line.turn * math.sin(turned)
-            y = centre[1] - line.turn * math.cos(turned)
+            x = x_centre + line.turn * math.sin(turned)
+            y = y_centre - line.turn * math.cos(turned)
             yield line.length + abs(line.turn) * math.pi * step / steps, x, y, turned
 
 
