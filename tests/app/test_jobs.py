@@ -23,7 +23,7 @@ from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.surveys.datasets.scenes import draw_scene
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.lines.specification import SurveySpecification
-from insonify.surveys.lines.work import lay_lines
+from insonify.surveys.lines.work import lay_lawnmower
 from insonify.surveys.specification import read_specification
 from insonify_viewer.panels.jobs.view import jobs_view as jobs_window
 from insonify_viewer.panels.jobs.view.jobs_view import JobsView
@@ -153,7 +153,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
     view.survey_wanted.emit()
     specification = read_specification(begun[-1][1], SurveySpecification, "surveys")
     assert specification.mosaic.overlap == "nearest"
-    lines = lay_lines(specification)
+    lines = lay_lawnmower(specification.area)
     ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
     for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
         ends = np.array([line.start, line.end]) - (5.0, -3.0)

@@ -64,13 +64,6 @@ class SurveyTrack(NamedTuple):
     pings: list[range]  # of each line, with its turn
 
 
-def lay_lines(specification: SurveySpecification) -> list[SurveyLine]:
-    """Return the lines of a survey, in order."""
-    if specification.area is not None:
-        return lay_lawnmower(specification.area)
-    return [SurveyLine(line.start, line.end) for line in specification.lines]
-
-
 def lay_lawnmower(area: Area) -> list[SurveyLine]:
     """Cover an area by parallel lines, to and fro, in the middle of strips of equal width."""
     ahead = np.array([math.cos(math.radians(area.heading)), math.sin(math.radians(area.heading))])
@@ -156,7 +149,9 @@ class SurveyWork:
     @cached_property
     def lines(self) -> list[SurveyLine]:
         """The lines, in order."""
-        return lay_lines(self.specification)
+        if self.specification.area is not None:
+            return lay_lawnmower(self.specification.area)
+        return [SurveyLine(line.start, line.end) for line in self.specification.lines]
 
     @cached_property
     def track(self) -> SurveyTrack:
