@@ -1,7 +1,6 @@
 """Errors are one sentence with details to copy; a fault in a slot or an override leaves the window alive."""
 
 import ast
-import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -13,7 +12,7 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 import insonify_viewer
-from commands import PATIENCE
+from commands import PATIENCE, run_python
 from insonify.scene import SceneError, scene_to_toml
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.pixel import controller as pixel_controller
@@ -215,15 +214,14 @@ print("ALIVE", broken.sizeHint().toTuple(), window.status is not None, flush=Tru
 
 
 def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives():
-    command = [sys.executable, "-c", DRIVER]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
-    lines = done.stdout.splitlines()
-    assert done.returncode == 0, done.stderr
+    code, written, errors = run_python("-c", DRIVER, timeout=PATIENCE)
+    lines = written.splitlines()
+    assert code == 0, errors
     assert lines[-1] == "ALIVE (7, 5) True"
     told = "TOLD ValueError: cannot convert float NaN to integer 1"
     assert lines[:-1].count(told) == len(lines) - 1
     assert 5 <= len(lines) - 1 <= 10, "one of the record, one of each override of the two widgets, not one a call"
-    assert "QPaintDevice: Cannot destroy" not in done.stderr
+    assert "QPaintDevice: Cannot destroy" not in errors
 
 
 def test_every_override_that_qt_may_call_within_a_call_is_guarded():
