@@ -139,7 +139,7 @@ def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.Stan
 def finish(viewer: Viewer, qtbot: Any, act: Callable[..., Any], *given: Any) -> None:
     """Do something with a viewer, and wait until its record is complete."""
     act(*given)
-    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240_000)  # ms, while kernels compile at worst
 
 
 def drag(view: QWidget, first: QPoint, last: QPoint) -> None:
