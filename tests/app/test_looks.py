@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from controls import choose, colours_of, watched_events
-from PySide6.QtCore import QEvent, QPoint, QSettings, Qt
+from controls import choose, colours_of, finish, watched_events
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QWidget
 
@@ -51,8 +51,7 @@ def corner(widget: QWidget) -> QColor:
 
 def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
     window, words = viewer.window, viewer.panels["parameters"].widget.findChild(AboutBox).label
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, window.open_panel, "water")
     water = viewer.panels["water"].view
     themes = {action.data(): action for action in window.looks.themes}
     try:
@@ -105,6 +104,9 @@ def test_settings_survive_nonsense_and_a_gain_that_is_dragged_writes_no_file(mon
     assert (settings.theme, settings.size) == (Theme.SYSTEM, 100)
     assert settings.geometry.isEmpty()
     assert isinstance(settings.recent, list)
+    for spoilt in ("palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"):
+        settings._store.setValue("display", spoilt)
+        assert Settings().display == {}, "the usual one"
     settings.size, settings.theme = 150, Theme.LIGHT
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
     written = []
@@ -148,21 +150,15 @@ def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(o
     assert Settings().display == {}
 
 
-@pytest.mark.parametrize("spoilt", ["palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"])
-def test_a_spoilt_display_reads_as_the_usual_one(spoilt):
-    store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
-    store.setValue("display", spoilt)
-    assert Settings().display == {}
-
-
 @pytest.fixture(params=[Theme.DARK, Theme.LIGHT], ids=["dark", "light"])
-def theme(request, qapp):
+def _theme(request, qapp):
     apply_theme(qapp, request.param)
-    yield request.param
+    yield
     apply_theme(qapp)
 
 
-def test_a_histogram_stands_out(theme, qtbot):
+@pytest.mark.usefixtures("_theme")
+def test_a_histogram_and_marks_of_a_record_stand_out_from_their_halos(qtbot):
     histogram = HistogramView()
     qtbot.addWidget(histogram)
     histogram.resize(320, 112)
@@ -170,9 +166,6 @@ def test_a_histogram_stands_out(theme, qtbot):
     picture = histogram.grab().toImage()
     peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
     assert contrast(peak, beside) >= 3.0
-
-
-def test_marks_of_a_record_stand_out_from_their_halos(theme, qtbot):
     picture = QImage(60, 60, QImage.Format.Format_RGB32)
     for echo in ("#000000", "#b06a28", "#ffffff"):
         picture.fill(QColor(echo))
