@@ -224,18 +224,23 @@ def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives():
     assert "QPaintDevice: Cannot destroy" not in errors
 
 
-def test_every_override_that_qt_may_call_within_a_call_is_guarded():
+def test_every_override_that_qt_may_call_within_a_call_is_guarded_and_painters_end_whatever_happens():
+    """A painter left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
     root = Path(insonify_viewer.__file__).parent
+    sources = {path: path.read_text(encoding="utf-8") for path in root.rglob("*.py")}
     bare = [
         f"{path.stem}.{kind.name}.{method.name}"
-        for path in root.rglob("*.py")
-        for kind in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, source in sources.items()
+        for kind in ast.walk(ast.parse(source))
         if isinstance(kind, ast.ClassDef)
         for method in kind.body
         if isinstance(method, ast.FunctionDef) and method.name in OF_QT
         if not any(ast.unparse(one).startswith("guard_override(") for one in method.decorator_list)
     ]
     assert bare == []
+    for path, source in sources.items():
+        for line in source.splitlines():
+            assert "QPainter(" not in line or "with QPainter(" in line, f"{path.name}: {line.strip()}"
 
 
 def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypatch):
@@ -252,10 +257,3 @@ def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypa
     assert [message.split(" ")[0] for message in told] == ["integer", "integer", "invalid"]
     assert second.divide(0) == -1
     assert len(told) == 4, "each object is told of by itself"
-
-
-def test_painters_end_whatever_happens():
-    """One that is left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
-    for path in Path(insonify_viewer.__file__).parent.rglob("*.py"):
-        for line in path.read_text(encoding="utf-8").splitlines():
-            assert "QPainter(" not in line or "with QPainter(" in line, f"{path.name}: {line.strip()}"
