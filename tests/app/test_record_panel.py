@@ -100,15 +100,12 @@ def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
     viewer.window.undo.trigger()
     assert viewer.window.gain.value() == 60
     # Gains of each side are typed.
-    row = panel.view.gains[2]
-    row.field.setText("6")
-    row.field.setModified(True)
-    row.field.editingFinished.emit()
-    assert viewer.session.display.side_gains == (0.0, 6.0)
-    row.field.setText("loud")
-    row.field.setModified(True)
-    row.field.editingFinished.emit()
-    assert viewer.session.display.side_gains == (0.0, 6.0)
+    field = panel.view.gains[2].field
+    for text in ("6", "loud"):  # the latter is no number
+        field.setText(text)
+        field.setModified(True)
+        field.editingFinished.emit()
+        assert viewer.session.display.side_gains == (0.0, 6.0)
     viewer.window.gain.setValue(45)
     assert panel.view.gains[0].field.text() == "4.5 dB"
 
@@ -117,15 +114,10 @@ def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_vie
     histogram, view = panel.view.histogram, viewer.window.waterfall
     assert histogram._counts.max() == 1.0
     before = picture_of(view).copy()
-    middle = histogram.height() // 2
-    drag(
-        histogram,
-        QPoint(round(histogram.place_of(histogram.ends[1])), middle),
-        QPoint(round(histogram.place_of(20.0)), middle),
-    )
+    levels, middle = (histogram.ends[1], 20.0), histogram.height() // 2
+    drag(histogram, *(QPoint(round(histogram.place_of(level)), middle) for level in levels))
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
-    assert viewer.session.display.levels[1] == pytest.approx(10.0, rel=0.05)
-    assert view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
+    assert viewer.session.display.levels[1] == view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
     darker = picture_of(view).copy()
     assert (darker != before).mean() > 0.5
     histogram.setFocus()
