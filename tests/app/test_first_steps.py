@@ -76,26 +76,6 @@ def when_it_opens(
     look()
 
 
-def handle(viewer) -> QPoint:
-    """Place of the handle nearest to the middle of the record."""
-    record = viewer.window.waterfall
-    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
-    middle = QPoint(record.width() // 2, record.height() // 2)
-    return min(places, key=lambda place: (place - middle).manhattanLength())
-
-
-def dark(viewer) -> QPoint:
-    """Middle of the longest shadow on screen."""
-    record = viewer.window.waterfall
-    pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
-    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
-    row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
-    bins = np.flatnonzero(shadow[row, side])
-    place = record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins))))
-    assert place is not None
-    return place
-
-
 def test_another_scene_gives_its_record(viewer, hand, qtbot):
     window = viewer.window
 
@@ -119,11 +99,13 @@ def test_another_scene_gives_its_record(viewer, hand, qtbot):
 
 
 def test_a_target_is_moved(viewer, hand, qtbot):
-    before = viewer.session.scene.targets
-    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
+    before, record = viewer.session.scene.targets, viewer.window.waterfall
+    hand.key(record, Qt.Key.Key_Space)
     assert not viewer.tow.running
-    start = handle(viewer)
-    hand.drag(viewer.window.waterfall, start, start + QPoint(30, 20))
+    # The handle nearest to the middle of the record.
+    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
+    start = min(places, key=lambda place: (place - record.rect().center()).manhattanLength())
+    hand.drag(record, start, start + QPoint(30, 20))
     assert viewer.session.history.undoable[0].endswith("moved")
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
@@ -149,9 +131,14 @@ def test_a_picture_is_saved(viewer, hand, qtbot, tmp_path):
 
 
 def test_a_shadow_is_explained(viewer, hand, qtbot):
-    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
-    hand.click(viewer.window.waterfall, dark(viewer))
-    panel = viewer.panels["pixel"]
+    record, panel = viewer.window.waterfall, viewer.panels["pixel"]
+    hand.key(record, Qt.Key.Key_Space)
+    # The middle of the longest shadow on screen.
+    pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
+    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
+    row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
+    bins = np.flatnonzero(shadow[row, side])
+    hand.click(record, record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins)))))
     qtbot.waitUntil(lambda: panel.complete, timeout=240000)
     assert panel.view.isVisible()
     assert "shadow of" in panel.view.summary.text()
