@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import activate, assert_side_by_side, colours_of, scenes_by_rows
+from controls import activate, assert_side_by_side, colours_of, finish, scenes_by_rows
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
@@ -48,15 +48,6 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
             assert "…" not in child.text()
             words = child.fontMetrics().boundingRect(child.contentsRect(), Qt.TextFlag.TextWordWrap, child.text())
             assert words.width() <= child.contentsRect().width(), child.text()
-
-
-def test_parts_of_one_kind_are_numbered():
-    heaves = [{"kind": "heave", "period": period} for period in (8.0, 3.0)]
-    motions = {"kind": "sum", "of": [*heaves, {"kind": "roll"}]}
-    sections = sections_of(edit(load_scene("default"), {"track.motion": motions}))
-    found = {row.path: row.label for section in sections for row in section.parameters}
-    labels = [found[f"track.motion.of.{part}.amplitude"] for part in range(3)]
-    assert labels == ["heave 1 amplitude", "heave 2 amplitude", "roll amplitude"]
 
 
 def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
@@ -103,7 +94,7 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_a_plot_is_at_true_scale_where_it_fits():
+def test_a_plot_is_at_true_scale_where_it_fits_and_metres_towed_are_written_to_tenths():
     room = QRect(64, 24, 500, 700)
     plot = plot_at_true_scale(room, 100.0, 100.0)
     assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
@@ -111,6 +102,8 @@ def test_a_plot_is_at_true_scale_where_it_fits():
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
     names = {20.0: "track × 7", 1400.0: "track ÷ 10", 1.25: "track × 112", 56.0: "track × 2.5"}
     assert {along: name_scale(room, along, 100.0) for along in names} == names
+    written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
+    assert {given: write_towed(*given) for given in written} == written
 
 
 def test_a_measurement_stays_within_a_narrow_record(qapp):
@@ -142,11 +135,6 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
     assert drawn[-1] - drawn[0] >= 0.9 * min(name_width, width - taken)
     if width == 600:
         assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
-
-
-def test_metres_towed_are_written_to_tenths():
-    written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
-    assert {given: write_towed(*given) for given in written} == written
 
 
 def test_the_record_of_the_default_scene_is_at_true_scale_and_leaves_no_empty_room_below(open_viewer, small, qtbot):
@@ -219,8 +207,7 @@ def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_comma
     assert window.minimumSizeHint().width() <= 800
     window.resize(800, 450)
     qtbot.waitUntil(lambda: window.width() == 800)
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, window.open_panel, "water")
     assert window.size().width() <= 800
     # Every tool stands in a menu.
     menus = [action.menu() for action in window.menuBar().actions()]
