@@ -5,7 +5,6 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +25,6 @@ from insonify.surveys.lines.specification import SurveySpecification
 from insonify.surveys.lines.work import lay_lines
 from insonify.surveys.specification import read_specification
 from insonify_viewer.panels.jobs.view import jobs_view as jobs_window
-from insonify_viewer.panels.jobs.view.jobs_view import JobsView
 from insonify_viewer.panels.jobs.view.questions import PRESENT, DatasetQuestion, SurveyQuestion
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
@@ -39,19 +37,6 @@ PATIENCE = 240_000  # ms, while kernels compile at worst
 @pytest.fixture
 def knife(small):
     return edit(small, {"sonar.beam": "knife"})
-
-
-@pytest.fixture
-def endless_work(small):
-    """A scene whose record takes minutes: the planes of a fan cost ten times as much as a knife."""
-    return edit(small, {"track.pings": 1_000_000})
-
-
-def jobs_of(viewer) -> JobsView:
-    """Open the window of the jobs by its action."""
-    viewer.window.save.jobs.trigger()
-    panel: Any = viewer.panels["jobs"]
-    return panel.widget
 
 
 def advanced(job: CommandJob) -> bool:
@@ -128,7 +113,8 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
     viewer = open_viewer(edit(knife, {"track.heading": 30.0, "track.start": [5.0, -3.0]}))
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
-    view = jobs_of(viewer)
+    viewer.window.save.jobs.trigger()
+    view = viewer.panels["jobs"].widget
     view.chart_wanted.emit("convergence", tmp_path / "chart.png")
     records = [tmp_path / "a.xtf", tmp_path / "b.xtf"]
     view.mosaic_wanted.emit(records, tmp_path / "mosaic.tif")
@@ -185,21 +171,6 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
         for column, text in enumerate(ranges.get(field.path.replace(".", "_"), ())):
             question.drawn.item(row, column + 1).setText(text)
     return True
-
-
-def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
-    viewer = open_viewer(endless_work)
-    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
-    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
-    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
-    viewer.window.close()
-    assert viewer.window.isVisible()
-    assert job.running
-    viewer.window.close()
-    assert asked == ["A job is still running. Stop and close the window? What is finished stays."] * 2
-    assert not viewer.window.isVisible()
-    assert not job.running
-    assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
 
 
 def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, knife, qtbot):
@@ -282,8 +253,11 @@ def begin_waiting(viewer, title: str):
     return viewer.jobs.begin_work(title, work)
 
 
-def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
-    viewer = open_viewer(endless_work)
+def test_a_record_is_begun_followed_and_stopped_and_closing_asks_about_it_and_ends_it_at_once(
+    open_viewer, small, qtbot, tmp_path, monkeypatch
+):
+    # A record that takes minutes: the planes of a fan cost ten times as much as a knife.
+    viewer = open_viewer(edit(small, {"track.pings": 1_000_000}))
     path = tmp_path / "record.nc"
     monkeypatch.setattr(jobs_window, "ask_where_to_save", lambda *_: path)
     activate(viewer.window, qtbot)
@@ -321,3 +295,16 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     qtbot.waitUntil(lambda: not view.rows and not viewer.jobs.jobs)
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
+    # Closing asks about a job, and ends it at once.
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
+    viewer.session.undo()
+    job = viewer.jobs.write_record(viewer.session, path)
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    viewer.window.close()
+    assert viewer.window.isVisible()
+    assert job.running
+    viewer.window.close()
+    assert asked == ["A job is still running. Stop and close the window? What is finished stays."] * 2
+    assert not viewer.window.isVisible()
+    assert not job.running
+    assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
