@@ -21,14 +21,10 @@ from insonify_viewer.window.settings import Settings
 
 def contrast(one: str, other: str) -> float:
     """Contrast ratio of two colours (WCAG 2.1, section 1.4.3)."""
-
-    def luminance(name: str) -> float:
-        parts = (QColor(name).redF(), QColor(name).greenF(), QColor(name).blueF())
-        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    dark, light = sorted((luminance(one), luminance(other)))
-    return (light + 0.05) / (dark + 0.05)
+    shares = np.array([QColor(name).getRgbF()[:3] for name in (one, other)])
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    dark, light = np.sort(linear @ (0.2126, 0.7152, 0.0722))  # luminances
+    return float((light + 0.05) / (dark + 0.05))
 
 
 @pytest.mark.parametrize("light", [False, True], ids=["dark", "light"])
@@ -44,11 +40,6 @@ def test_words_stand_out(words, ground, light):
     assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5
 
 
-def corner(widget: QWidget) -> QColor:
-    """Colour of the corner of a widget that paints its own ground."""
-    return widget.grab().toImage().pixelColor(1, 1)
-
-
 def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
     window, words = viewer.window, viewer.panels["parameters"].widget.findChild(AboutBox).label
     finish(viewer, qtbot, window.open_panel, "water")
@@ -62,7 +53,8 @@ def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
             assert GROUND.name() == ground
             assert qapp.palette().color(QPalette.ColorRole.Window).name() == ground
             # A native window may have 16 bits a pixel: 5 of them for red.
-            assert corner(window.waterfall).lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
+            corner = window.waterfall.grab().toImage().pixelColor(1, 1)
+            assert corner.lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
             assert ACCENT.name() in words.text(), "so do the links of a description"
             picture = colours_of(water.grab().toImage())  # angles over the water stand on the ground of the window
             above = np.unique(picture[2:20, water.width() // 2 :])
@@ -169,9 +161,8 @@ def test_a_histogram_and_marks_of_a_record_stand_out_from_their_halos(qtbot):
     picture = QImage(60, 60, QImage.Format.Format_RGB32)
     for echo in ("#000000", "#b06a28", "#ffffff"):
         picture.fill(QColor(echo))
-        painter = QPainter(picture)
-        draw_pin(painter, QPoint(30, 30))
-        painter.end()
+        with QPainter(picture) as painter:
+            draw_pin(painter, QPoint(30, 30))
         drawn = {f"#{colour:06x}" for colour in np.unique(colours_of(picture))}
         assert max(contrast(one, echo) for one in drawn) >= 3.0
         assert max(contrast(MARK_IN_WATER, one) for one in drawn) >= 3.0, "against the echo or the halo"
