@@ -141,11 +141,7 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
 
 @pytest.fixture
 def open_viewer(
-    qtbot: Any,
-    qapp: QApplication,
-    _no_person_is_needed: None,
-    _beds_are_shaded_once: None,
-    _seabed_is_not_drawn: None,
+    qtbot: Any, qapp: QApplication, _beds_are_shaded_once: None, _seabed_is_not_drawn: None
 ) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
     apply_theme(qapp)
@@ -182,8 +178,3 @@ def open_viewer(
 @pytest.fixture
 def viewer(open_viewer: Opener, small: Scene) -> Viewer:
     return open_viewer(small)
-
-
-@pytest.fixture
-def window(viewer: Viewer) -> Any:
-    return viewer.window

@@ -84,10 +84,11 @@ def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_uni
     assert number.about == "seed (no unit; 0 to 9)"
 
 
-def test_links_are_followed_by_the_keyboard_and_space_acts_on_what_has_it(viewer, window, qtbot):
+def test_links_are_followed_by_the_keyboard_and_space_acts_on_what_has_it(viewer, qtbot):
     """Space acts on the focused tick, is a letter in the search, and pauses the tow elsewhere."""
+    window = viewer.window
     activate(window, qtbot)
-    label = next(each for each in viewer.window.findChildren(QLabel, "about") if "<a href" in each.text())
+    label = next(each for each in window.findChildren(QLabel, "about") if "<a href" in each.text())
     followed = []
     label.linkActivated.connect(followed.append)
     assert label in walk(viewer.window, qtbot)

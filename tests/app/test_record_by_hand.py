@@ -193,7 +193,8 @@ def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live
     assert mark_of(contact) == view._marks.cross
 
 
-def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(viewer, window, qtbot):
+def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(viewer, qtbot):
+    window = viewer.window
     assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
     window.pause.trigger()
     assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
