@@ -29,9 +29,7 @@ def copied(viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_and_a_fault_of_an_explanation_is_told(
-    viewer, qtbot, monkeypatch
-):
+def test_a_mistake_is_copied_with_its_circumstances_and_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
     status = viewer.window.status
     viewer.window.say("a sentence before")
     assert not status.copy.isVisible()
@@ -76,9 +74,7 @@ class Broken(StandIn):
         return super().intensity(pings)
 
 
-def test_a_fault_in_the_core_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(
-    open_viewer, small, qtbot, tmp_path
-):
+def test_a_fault_of_core_slot_thread_or_job_is_one_sentence_and_the_window_lives(open_viewer, small, qtbot, tmp_path):
     viewer = open_viewer(small, prepare=Broken)
     viewer.session.settle({"seed": 13})
     qtbot.waitUntil(viewer.window.status.copy.isVisible)

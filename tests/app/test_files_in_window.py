@@ -32,9 +32,7 @@ def open_again(viewer, name: str):
     next(action for action in menu.actions() if action.text() == name).trigger()
 
 
-def test_a_mesh_and_a_bed_are_dropped_and_opened_again_and_a_bed_asks_about_changes(
-    viewer, small, qtbot, tmp_path, monkeypatch
-):
+def test_a_mesh_and_a_bed_are_dropped_and_opened_again_after_a_question(viewer, small, qtbot, tmp_path, monkeypatch):
     path = Path(shutil.copy(bundled_meshes()["drum"], tmp_path))
     drop(viewer.window, bundled_meshes()["drum"])
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
@@ -129,9 +127,7 @@ def test_contacts_are_dropped_and_opened_by_menu(viewer, tmp_path, suffix, monke
     assert len(viewer.contacts) == 2
 
 
-def test_a_file_is_refused_in_one_sentence_or_taken_over_by_a_field_and_among_recent_ones(
-    viewer, small, qtbot, cast, tow, tmp_path, monkeypatch
-):
+def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qtbot, cast, tow, tmp_path, monkeypatch):
     drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     (tmp_path / "letter.txt").write_text("x", encoding="utf-8")

@@ -277,9 +277,7 @@ def test_lessons_stand_under_the_titles_of_their_courses_and_show_their_first_fi
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lesson_asks_nothing_undo_returns_to_unsaved_work_and_one_begins_with_the_window(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_a_lesson_asks_nothing_begins_with_the_window_and_ends_by_undo(open_viewer, small, qtbot, monkeypatch):
     viewer, panel = opened(open_viewer, small, qtbot)
     viewer.session.settle({"track.altitude": 7.0})
     mine = viewer.session.scene
@@ -307,9 +305,7 @@ def test_a_lesson_asks_nothing_undo_returns_to_unsaved_work_and_one_begins_with_
     assert lit_rows(viewer) == set()
 
 
-def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_back(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_a_lesson_shows_both_sides_unless_it_names_one_and_restores_the_display(open_viewer, small, qtbot, monkeypatch):
     one_sided = LESSON.replace('{ scale = "true" }', '{ side = "port", water_column = false }')
     offer(monkeypatch, parse_lesson(one_sided, "port"), parse_lesson(LESSON, "range"))
     viewer, panel = opened(open_viewer, small, qtbot)
@@ -329,9 +325,7 @@ def test_a_lesson_shows_both_sides_unless_it_names_one_and_gives_the_display_bac
 
 
 @pytest.mark.usefixtures("lessons")
-def test_a_lecture_is_full_screen_in_large_type_and_its_record_keeps_more_than_half_of_it(
-    open_viewer, small, qtbot, qapp
-):
+def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_half(open_viewer, small, qtbot, qapp):
     viewer, panel = opened(open_viewer, small, qtbot, started=True)
     window, page = viewer.window, panel.view.page
 

@@ -48,9 +48,7 @@ def test_a_fish_lies_as_its_pose_says(small):
     "motions", [("straight",), (YAWED,), (TILTED,), (TILTED, YAWED), (YAWED, TILTED, TURN, "sway", "heave")]
 )
 @pytest.mark.parametrize("squint", [8.0, 0.0, -8.0])
-def test_a_beam_is_a_cone_about_the_fish_on_which_its_line_on_the_bed_and_points_of_the_record_lie(
-    small, squint, motions, side
-):
+def test_a_beam_is_a_cone_on_which_its_line_on_the_bed_and_points_of_the_record_lie(small, squint, motions, side):
     simulation = moved(edit(small, {"sonar.beam.squint": squint}), *motions)
     pose, forwards = one(simulation, 115), math.sin(math.radians(squint))
     bow, port, _, fish = pose_matrix(pose, 1.0)[:3].T

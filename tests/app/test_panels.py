@@ -86,9 +86,7 @@ def test_every_folder_holds_a_panel_and_their_order_is_stable(announce):
     assert [panel.name for panel in find_panels()] == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
-def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit_the_scene(
-    open_viewer, small, qtbot, announce
-):
+def test_an_announced_panel_is_a_tab_or_opens_by_its_button_and_edits_the_scene(open_viewer, small, qtbot, announce):
     announce(DummyPanel, DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]

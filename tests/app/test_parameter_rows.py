@@ -126,9 +126,7 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
-def test_curves_follow_the_scene_take_no_room_where_there_are_none_and_a_peak_is_dragged_in_one_step(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot, monkeypatch):
     threads = set()
 
     def watched(scene):

@@ -125,9 +125,7 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     assert view._sections["sonar"].isVisible()
 
 
-def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_it_was(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_a_link_moves_its_control_in_sight_and_an_effect_comes_back_as_it_was(open_viewer, small, qtbot, monkeypatch):
     links = "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."
     viewer = open_viewer(edit(small, {"description": links}))
     view, session = panel(viewer).view, viewer.session

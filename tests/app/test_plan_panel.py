@@ -169,9 +169,7 @@ def measure(viewer, qtbot):
     qtbot.waitUntil(lambda: not viewer.panels["chart"].busy)
 
 
-def test_a_click_on_a_point_shows_its_record_keys_lead_to_the_others_and_it_is_saved(
-    window, qtbot, tmp_path, monkeypatch
-):
+def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window, qtbot, tmp_path, monkeypatch):
     measure(window, qtbot)
     view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()

@@ -52,9 +52,7 @@ def open_recording(viewer, path, qtbot):
     return viewer.recordings.recording
 
 
-def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(
-    viewer, folder, tmp_path, qtbot
-):
+def test_any_ping_of_a_recording_is_reached_and_a_broken_file_is_one_sentence(viewer, folder, tmp_path, qtbot):
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
@@ -86,9 +84,7 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
-def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navigation(
-    viewer, folder, qtbot, monkeypatch
-):
+def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(viewer, folder, qtbot, monkeypatch):
     for name in ("record.xtf", "record.nc"):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, name=name: (str(folder / name), ""))
         for way in (lambda name=name: drop(viewer.window, folder / name), viewer.window.open_recording.trigger):
@@ -180,9 +176,7 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert viewer.recordings.recording is recording
 
 
-def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_narrow_window(
-    viewer, folder, qtbot, monkeypatch
-):
+def test_reading_shows_a_bar_the_last_file_wins_and_fits_a_narrow_window(viewer, folder, qtbot, monkeypatch):
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -214,9 +208,7 @@ def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_n
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
-def test_a_recording_is_shown_beside_the_simulated_record_and_wiped_covers_its_left_at_the_same_scale(
-    viewer, folder, qtbot
-):
+def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_the_same_scale(viewer, folder, qtbot):
     panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
     beside = viewer.window.record_a
     assert not beside.isVisible()
@@ -290,9 +282,7 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer, qtbot)
     assert len(np.unique(picture_of(viewer.window.record_a))) > 100
 
 
-def test_a_scene_is_learned_as_a_job_and_opened_unless_it_is_stopped_or_has_too_little_bed(
-    viewer, folder, tmp_path, qtbot, monkeypatch
-):
+def test_a_scene_is_learned_unless_that_is_stopped_or_has_too_little_bed(viewer, folder, tmp_path, qtbot, monkeypatch):
     named, path = tmp_path / "learned.toml", tmp_path / "short.nc"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
     panel, scene = viewer.panels["comparison"].view, viewer.session.scene

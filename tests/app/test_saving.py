@@ -103,9 +103,7 @@ def check_written(viewer, path, qtbot):
         np.testing.assert_array_equal(record.intensity, simulate(scene).intensity)
 
 
-def test_a_scene_is_refused_in_a_sentence_or_opened_by_the_menu_which_asks_about_changes_as_closing_does(
-    viewer, small, qtbot, tmp_path, name, monkeypatch
-):
+def test_opening_a_scene_by_the_menu_and_closing_ask_about_changes(viewer, small, qtbot, tmp_path, name, monkeypatch):
     (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
     assert "did you mean 'range'" in viewer.window.status.sentence.text()

@@ -281,9 +281,7 @@ ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.445
 IN_WATER = Contact("fish", "", "line.xtf", 3, "starboard", 12, 2.5)
 
 
-def test_geojson_holds_everything_and_a_table_all_but_snapshots_and_no_text_that_a_spreadsheet_takes_as_a_formula(
-    tmp_path,
-):
+def test_geojson_holds_all_of_contacts_and_a_table_all_but_snapshots_and_formulas_of_a_spreadsheet(tmp_path):
     path = tmp_path / "found.geojson"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, ON_EARTH, IN_WATER)

@@ -74,9 +74,7 @@ def drag_handle(viewer, view, action: str, times: float = 2.0):
     drag(view if in_record else view._canvas.widget, handle, centre + (handle - centre) * times)
 
 
-def test_targets_are_dragged_thickened_raised_and_resized_in_the_record_and_in_three_dimensions(
-    open_viewer, small, one_box, qtbot
-):
+def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(open_viewer, small, one_box, qtbot):
     """The handle that raises stands opposite the one that thickens; length and width stay as they are."""
     viewer = open_viewer(one_box, solid=True)
     session, view, seabed, record = viewer.session, viewer.seabed.view, viewer.seabed, viewer.window.waterfall
@@ -153,9 +151,7 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_the_last_scene_is_not(
-    open_viewer, small, one_box, qtbot
-):
+def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(open_viewer, small, one_box, qtbot):
     viewer = open_viewer(one_box)
     record = viewer.window.waterfall
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))

@@ -82,9 +82,7 @@ def test_a_target_of_any_kind_is_added_taken_back_and_kept_apart_from_others(ope
     assert distances.min() > 7.0
 
 
-def test_a_mesh_is_chosen_by_its_picture_takes_another_file_and_is_refused_and_a_cross_removes_a_target(
-    viewer, small, qtbot, monkeypatch, tmp_path
-):
+def test_a_mesh_is_chosen_by_its_picture_or_refused_and_removed_by_a_cross(viewer, small, qtbot, monkeypatch, tmp_path):
     seen = []
 
     def click_the_anchor():
@@ -172,9 +170,7 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small):
     np.testing.assert_array_equal(colours, expected)
 
 
-def test_volumes_are_drawn_where_they_echo_and_follow_an_edit_by_objects_of_the_main_thread_alone(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_volumes_are_drawn_where_they_echo_by_the_main_thread_alone(open_viewer, small, qtbot, monkeypatch):
     # Where another thread destroys an object of VTK while VTK draws, each waits for the other for ever.
     threads, made = set(), pyvista.DataObject.__init__
 

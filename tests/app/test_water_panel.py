@@ -22,9 +22,7 @@ def colours(widget) -> int:
     return np.unique(colours_of(widget.grab().toImage())[::3, ::3]).size
 
 
-def test_the_panel_opens_with_layered_water_alone_a_cast_is_asked_for_and_columns_of_water_have_no_sliders(
-    open_viewer, small, qtbot, tmp_path, monkeypatch
-):
+def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, small, qtbot, tmp_path, monkeypatch):
     viewer, layered = open_viewer(small), edit(small, {"water": PROFILE})
     assert not viewer.panels["water"].view.isVisible()
     finish(viewer, qtbot, viewer.window._buttons["water"].trigger)

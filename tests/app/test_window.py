@@ -139,9 +139,7 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
-    open_viewer, small, tmp_path, qtbot, monkeypatch
-):
+def test_names_turn_into_numbers_and_values_are_typed_or_read(open_viewer, small, tmp_path, qtbot, monkeypatch):
     viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
