@@ -23,11 +23,10 @@ from insonify.tow.poses import make_poses
 from insonify_viewer.application import has_opengl
 from insonify_viewer.record.drape import MosaicSheet, RecordStrip, drape_mosaic, drape_record
 from insonify_viewer.record.tone_map import make_tone_map
-from insonify_viewer.seabed.bed_shading import LAMP, cast_shadows
+from insonify_viewer.seabed.bed_shading import LAMP, BedPatch, cast_shadows
 from insonify_viewer.seabed.cameras import CAMERAS
 from insonify_viewer.seabed.fan_sheet import STEP as RAYS_APART
 from insonify_viewer.seabed.fan_sheet import fan_sheet
-from insonify_viewer.seabed.pv_meshes import BedPatch
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 from insonify_viewer.widgets.painting import make_polyline
