@@ -41,7 +41,7 @@ class Workers:
         self._client, self._flags, self._scheduler = client, flags, scheduler
         self._builds: dict[str, Build | None] = {}
         self._expected = read_build(flags)
-        self._since, self._told = time.monotonic(), 0.0
+        self._since, self._reminded = time.monotonic(), 0.0
 
     def count(self) -> None:
         """Look who is there, and let those who are new state their build."""
@@ -71,9 +71,9 @@ class Workers:
         """Say that nobody works, after a while and then every minute."""
         now = time.monotonic()
         if self.threads:
-            self._since, self._told = now, 0.0
-        elif now - self._since > SILENCE and now - self._told > REMINDER:
-            self._told = now
+            self._since, self._reminded = now, 0.0
+        elif now - self._since > SILENCE and now - self._reminded > REMINDER:
+            self._reminded = now
             left = f"none of {present} workers suits the remaining jobs" if present else "no worker is connected"
             _say(f"--scheduler {self._scheduler}: {left}; start workers, or interrupt and resume later")
 
