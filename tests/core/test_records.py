@@ -15,6 +15,8 @@ from insonify.io.atomic import replacing
 from insonify.io.record_block import as_block, as_dataset, make_record_block
 from insonify.io.records import read_record, write_record
 from insonify.io.records.zarr_store import CHUNK, SHARD
+from insonify.record import labels
+from insonify.record.labels import Label
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks, simulate_record_blocks
 from level_records import level_record
@@ -129,6 +131,15 @@ def test_what_is_no_record_is_told_in_one_sentence(tmp_path, spoil, words):
 
 def scene(name="targets", **changes):
     return edit(load_scene(name), {"track.pings": 6, "sonar.bins": 80} | changes)
+
+
+def test_a_label_that_follows_from_others_is_in_records_that_have_those(monkeypatch):
+    monkeypatch.setattr(labels, "LABELS", dict(labels.LABELS))
+    Label("grazing", "grazing angle", "degree", lambda block: 90.0 - block.columns["incidence"], ("incidence",))
+    record = simulate(scene(), truth=True)
+    np.testing.assert_array_equal(record.grazing, 90.0 - record.incidence)
+    assert record.grazing.attrs == {"units": "degree", "long_name": "grazing angle"}
+    assert "grazing" not in simulate(scene(), truth="targets")
 
 
 @pytest.mark.parametrize("truth", [False, True])

@@ -73,7 +73,7 @@ def test_a_scene_depends_on_its_number_and_no_value_on_another_field():
     one, more = data_set(), data_set(SET.replace("[set]\n", '[set]\n"sonar.frequency" = 3e5\n'))
     first = draw_scene(one, BASE, 3)
     assert first == draw_scene(one, BASE, 3)
-    assert first.drawn == draw_scene(more, BASE, 3).drawn
+    assert first.draws.drawn == draw_scene(more, BASE, 3).draws.drawn
     assert first.scene.seed != draw_scene(one, BASE, 4).scene.seed
     assert 5.0 <= first.scene.track.altitude <= 7.0
 
@@ -264,7 +264,7 @@ def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path)
         tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
     store.write(tmp_path, "0", "0", tiles)
     for tile in tiles:
-        np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
+        np.testing.assert_array_equal(store.read_image(tmp_path, tile.description["file"]), tile.image)
 
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):
@@ -314,7 +314,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
     (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
     mesh = '{ kind = "mesh", path = "own.ply" }'
     text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', mesh)
-    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, {}, {})
+    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, "datasets")
     base = load_scene(one.base)
     assert base == BASE
     shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
@@ -329,7 +329,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
 
 @pytest.mark.parametrize("name", list(bundled_specifications("datasets")))
 def test_a_bundled_specification_makes_its_first_scenes(name):
-    one = read_specification(name, DatasetSpecification, bundled_specifications("datasets"), {})
+    one = read_specification(name, DatasetSpecification, "datasets")
     base = load_scene(one.base)
     for number in range(12):
         drawn = draw_scene(one, base, number)
