@@ -78,7 +78,6 @@ def test_the_examples_of_the_readme_run_as_printed_in_a_fresh_clone(line, clone)
 def test_the_readme_runs_in_the_environment_that_its_first_command_makes():
     """``uv run`` syncs the default groups, which hold every extra that an example needs."""
     assert len(EXAMPLES) >= 8
-
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]

@@ -231,8 +231,7 @@ import resource
 import numpy as np
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
-from insonify.statistics.record_errors import compare_records
-from insonify.tracers import march, rays, sweep
+from insonify.tracers import rays, sweep
 simulation = prepare(edit(load_scene("figure-4a"), {"sonar.bins": 100}))
 def most(count):
     rays.trace(simulation.arrays, simulation.poses(np.arange(1)), rays=count)

@@ -302,7 +302,6 @@ def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, whole):
     os.truncate(path, 1024 + size + 9 if whole == 1 else 1024 + 3 * size - 100)  # in a start, or behind it
     assert main(["render", str(path), "-o", str(tmp_path / "a.npz")]) == 0
     written = capsys.readouterr()
-
     assert f"{whole} pings of 2 x 4 bins" in written.out
     assert written.err.count("\n") == 1
     assert "a.xtf: ends within the packet at byte" in written.err
