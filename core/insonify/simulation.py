@@ -21,8 +21,9 @@ from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, assemble, prepare_setup, record_echoes
 from insonify.receiver.levels import Crosstalk
 from insonify.receiver.water_column import WaterColumn
+from insonify.record.labels import Columns
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
-from insonify.record.variables import Columns, make_block, record_attributes
+from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
 from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, new_record, prepare_tracer

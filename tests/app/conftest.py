@@ -65,13 +65,6 @@ def _no_person_is_needed(tmp_path_factory: pytest.TempPathFactory, monkeypatch: 
     monkeypatch.setenv("XDG_STATE_HOME", str(folder))
 
 
-@pytest.fixture(autouse=True)
-def _widgets_are_deleted() -> Iterator[None]:
-    """Delete what a test leaves to be deleted later, as a loop of events does: style sheets are applied to it too."""
-    yield
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-
-
 def await_threads(before: set[threading.Thread]) -> None:
     """Wait for the window's threads: closing it does not wait for a block that is traced or a kernel being compiled."""
     for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify ")):
@@ -80,11 +73,15 @@ def await_threads(before: set[threading.Thread]) -> None:
 
 
 @pytest.fixture(autouse=True)
-def _threads_have_ended() -> Iterator[None]:
-    """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends."""
+def _nothing_is_left() -> Iterator[None]:
+    """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends.
+
+    Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too.
+    """
     before = set(threading.enumerate())
     yield
     await_threads(before)
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -144,11 +141,7 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
 
 @pytest.fixture
 def open_viewer(
-    qtbot: Any,
-    qapp: QApplication,
-    _no_person_is_needed: None,
-    _beds_are_shaded_once: None,
-    _seabed_is_not_drawn: None,
+    qtbot: Any, qapp: QApplication, _beds_are_shaded_once: None, _seabed_is_not_drawn: None
 ) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
     apply_theme(qapp)
@@ -185,8 +178,3 @@ def open_viewer(
 @pytest.fixture
 def viewer(open_viewer: Opener, small: Scene) -> Viewer:
     return open_viewer(small)
-
-
-@pytest.fixture
-def window(viewer: Viewer) -> Any:
-    return viewer.window

@@ -38,7 +38,8 @@ WHOLE = (QComboBox, QAbstractSpinBox, QLineEdit, QAbstractItemView)  # what is i
 
 def controls_of(window: QWidget) -> list[QWidget]:
     """Every slider, field, combo box, tick, button and list below a widget, without their own parts."""
-    return [child for child in window.findChildren(QWidget) if is_control(child)]
+    found = [child for child in window.findChildren(QWidget) if isinstance(child, CONTROLS) and not _is_part(child)]
+    return [child for child in found if not isinstance(child, (QScrollBar, QHeaderView))]
 
 
 def picture_of(view: RecordCanvas) -> NDArray[np.uint32]:
@@ -56,17 +57,13 @@ def colours_of(image: QImage) -> NDArray[np.uint32]:
 
 def takes_keyboard(widget: QWidget) -> bool:
     """Whether a widget can have the keyboard, and is no part of another one."""
-    inner = any(isinstance(parent, WHOLE) for parent in _parents(widget))
-    return widget.focusPolicy() != Qt.FocusPolicy.NoFocus and not inner and not widget.objectName().startswith("qt_")
+    return widget.focusPolicy() != Qt.FocusPolicy.NoFocus and not _is_part(widget)
 
 
-def is_control(widget: QWidget) -> bool:
-    """Whether a person acts on a widget itself."""
-    if not isinstance(widget, CONTROLS) or isinstance(widget, (QScrollBar, QHeaderView)):
-        return False
-    if any(isinstance(parent, WHOLE) for parent in _parents(widget)):
-        return False
-    return not widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
+def _is_part(widget: QWidget) -> bool:
+    """Whether a widget belongs to another one, on which a person acts instead."""
+    named = widget.objectName().startswith(("qt_", "ScrollLeft", "ScrollRight"))
+    return named or any(isinstance(parent, WHOLE) for parent in _parents(widget))
 
 
 def activate(window: QWidget, qtbot: Any) -> None:
@@ -139,7 +136,7 @@ def answer_questions(monkeypatch: pytest.MonkeyPatch, *answers: QMessageBox.Stan
 def finish(viewer: Viewer, qtbot: Any, act: Callable[..., Any], *given: Any) -> None:
     """Do something with a viewer, and wait until its record is complete."""
     act(*given)
-    qtbot.waitUntil(lambda: viewer.complete)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240_000)  # ms, while kernels compile at worst
 
 
 def drag(view: QWidget, first: QPoint, last: QPoint) -> None:
@@ -158,6 +155,14 @@ def move_mouse(view: QWidget, place: QPoint, buttons: Qt.MouseButton = Qt.MouseB
         Qt.KeyboardModifier.NoModifier,
     )  # fmt: skip
     QApplication.sendEvent(view, event)
+
+
+def move_slider(slider: QAbstractSlider, *positions: int) -> QAbstractSlider:
+    """Take hold of a slider and move it, without letting go of it."""
+    slider.setSliderDown(True)
+    for position in positions:
+        slider.setValue(position)
+    return slider
 
 
 def choose(combo: QComboBox, entry: int | str) -> None:

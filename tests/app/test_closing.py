@@ -17,7 +17,7 @@ from PySide6.QtCore import QObject, Qt
 from shiboken6 import delete
 from stand_in import StandIn
 
-from commands import PATIENCE
+from commands import PATIENCE, output_of, run_python
 from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.scene import SceneError, edit
 from insonify_viewer import application
@@ -27,19 +27,19 @@ from insonify_viewer.work.gc_policy import collected_by_hand, leave_out_librarie
 from insonify_viewer.work.jobs import ThreadJob
 
 
-def test_a_closed_view_names_nothing_that_qt_deletes_and_what_a_thread_finds_later_is_dropped(viewer):
+def test_workers_yield_the_processor_and_collect_nothing_of_a_window_which_frees_scenes_and_views(viewer, small, qtbot):
     from pyvistaqt import QtInteractor
 
-    views = viewer.window.findChildren(QtInteractor)
-    assert [view._surface is not None for view in views] == [True] * has_opengl()
-    viewer.window.close()
-    assert all(view._surface is None for view in views)
-    later = viewer.simulator.executor.call_later
-    delete(viewer.simulator.executor)
-    later(print, "found too late")
+    def niceness():
+        return os.getpriority(os.PRIO_PROCESS, 0)
 
-
-def test_no_worker_collects_what_belongs_to_a_window_and_a_scene_frees_the_one_before(viewer, small, qtbot):
+    if sys.platform == "linux":  # elsewhere single threads have no priorities
+        found = []
+        viewer.simulator.send(niceness, found.append)
+        viewer.simulator.executor.start("test", niceness, done=found.append, failed=print)
+        viewer.simulator.executor.submit("test", niceness, found.append)
+        qtbot.waitUntil(lambda: len(found) == 3)
+        assert min(found) > niceness()
     part, ends, done = QObject(), [], []
     part.itself = part
     part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
@@ -58,41 +58,39 @@ def test_no_worker_collects_what_belongs_to_a_window_and_a_scene_frees_the_one_b
     del part
     viewer.open(edit(small, {"seed": 7}))
     qtbot.waitUntil(lambda: viewer.complete and gone() is None)
+    # A closed view names nothing that Qt deletes, and what a thread finds later is dropped.
+    views = viewer.window.findChildren(QtInteractor)
+    assert [view._surface is not None for view in views] == [True] * has_opengl()
+    viewer.window.close()
+    assert all(view._surface is None for view in views)
+    later = viewer.simulator.executor.call_later
+    delete(viewer.simulator.executor)
+    later(print, "found too late")
 
 
-def test_a_window_closes_during_work_at_once(open_viewer, small, qtbot):
-    """Closing returns while the simulator still traces, for which it would have to wait two minutes."""
-    going, at_work = threading.Event(), threading.Event()
+def test_a_window_closes_at_once_during_work_of_the_simulator_a_bed_and_a_chart(open_viewer, small, qtbot):
+    """Closing returns while each of them still works, for which it would have to wait two minutes."""
+    going, at_work = threading.Event(), set()
+
+    def work(*_):
+        at_work.add(threading.current_thread())
+        going.wait(120.0)
 
     class Compiling(StandIn):
         def intensity(self, pings):
             if self.scene.seed == 5:
-                at_work.set()
-                going.wait(120.0)
+                work()
             return super().intensity(pings)
 
     viewer = open_viewer(small, prepare=Compiling)
+    viewer.simulator.executor.start("picture of the bed", work, done=print, failed=print)
+    viewer.panels["chart"].measure = work
+    viewer.panels["chart"].begin()
     viewer.session.settle({"seed": 5})
-    qtbot.waitUntil(at_work.is_set)
+    qtbot.waitUntil(lambda: len(at_work) == 3)
     assert viewer.window.close()
-    assert viewer.simulator._lane._thread.is_alive()
-    going.set()
-
-
-@pytest.mark.parametrize("busy", ["a bed", "a chart"])
-def test_a_window_closes_during_work_beside_it_at_once(open_viewer, small, busy):
-    viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
-
-    def work(*_):
-        going.wait(120.0)
-
-    if busy == "a bed":
-        viewer.simulator.executor.start("picture of the bed", work, done=print, failed=print)
-    else:
-        viewer.panels["chart"].measure = work
-        viewer.panels["chart"].begin()
-    assert viewer.window.close()
-    assert any(thread.is_alive() for thread in set(threading.enumerate()) - threads)
+    assert all(thread.is_alive() for thread in at_work)
+    assert viewer.simulator._lane._thread in at_work
     going.set()
 
 
@@ -116,24 +114,9 @@ def test_no_worker_imports_modules_of_qt():
     code = (
         "import sys; from insonify_viewer.seabed.controller import load_qt_modules; load_qt_modules(); "
         "known = set(sys.modules); import pyvistaqt; "
-        "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
+        "print(*(m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE)
-    assert done.stdout.strip() == "[]"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="priorities of single threads are Linux's")
-def test_threads_beside_the_window_yield_the_processor_to_it(viewer, qtbot):
-    found = []
-
-    def niceness():
-        return os.getpriority(os.PRIO_PROCESS, 0)
-
-    viewer.simulator.send(niceness, found.append)
-    viewer.simulator.executor.start("test", niceness, done=found.append, failed=print)
-    viewer.simulator.executor.submit("test", niceness, found.append)
-    qtbot.waitUntil(lambda: len(found) == 3)
-    assert min(found) > niceness()
+    assert output_of("-c", code) == []
 
 
 def test_reports_that_wait_are_passed_on_as_one():
@@ -171,8 +154,8 @@ sys.exit(f"loaded {loaded}" if loaded else 0)
 
 def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded():
     """Numba alone takes a third of a second to import."""
-    done = subprocess.run([sys.executable, "-c", OPENED], capture_output=True, text=True, check=False, timeout=PATIENCE)
-    assert (done.returncode, done.stderr) == (0, "")
+    code, _, errors = run_python("-c", OPENED, timeout=PATIENCE)
+    assert (code, errors) == (0, "")
 
 
 class Node:
@@ -182,7 +165,7 @@ class Node:
         self.own = self
 
 
-def test_what_is_left_out_is_not_gone_through_and_is_collected_in_the_end_and_what_comes_later_as_ever():
+def test_what_is_left_out_is_collected_in_the_end_and_what_comes_later_as_ever_in_a_small_share_of_the_time():
     with collected_by_hand():
         kept = weakref.ref(Node())
         before = len(gc.get_objects())
@@ -195,17 +178,7 @@ def test_what_is_left_out_is_not_gone_through_and_is_collected_in_the_end_and_wh
         assert gone() is None
     assert kept() is None
     assert gc.isenabled()
-
-
-@pytest.mark.parametrize("function", ["get_objects", "get_referrers"])
-def test_no_source_asks_for_all_objects(function):
-    """A tuple that another thread makes from a generator would have a second owner, which ends its making."""
-    sources = [path for folder in ("app", "core") for path in Path(folder).rglob("*.py")]
-    assert len(sources) > 100
-    assert [path for path in sources if f"gc.{function}(" in path.read_text(encoding="utf-8")] == []
-
-
-def test_cycles_are_collected_in_a_small_share_of_the_time():
+    # Cycles are collected while the program works.
     with collected_by_hand() as policy:
         gone = weakref.ref(Node())
         kept = [[number] for number in range(200_000)]
@@ -214,6 +187,14 @@ def test_cycles_are_collected_in_a_small_share_of_the_time():
             kept.extend([number] for number in range(10_000))
             policy.collect()
     assert gone() is None
+
+
+@pytest.mark.parametrize("function", ["get_objects", "get_referrers"])
+def test_no_source_asks_for_all_objects(function):
+    """A tuple that another thread makes from a generator would have a second owner, which ends its making."""
+    sources = [path for folder in ("app", "core") for path in Path(folder).rglob("*.py")]
+    assert len(sources) > 100
+    assert [path for path in sources if f"gc.{function}(" in path.read_text(encoding="utf-8")] == []
 
 
 FISH = Contact("fish", "a shoal?", "A scene", 3, "port", 7, 2.0, snapshot=bytes(range(256)))
@@ -245,16 +226,15 @@ def offer_and_report(recovery):
         print("CONTACTS", recovery._contacts.all == (FISH,), recovery._contacts.unsaved, flush=True)
         print("READY", flush=True)
 CrashRecovery.offer = offer_and_report
-def aged():
-    # By the window's own loop of events: a busy machine delays all its timers alike.
-    QTimer.singleShot(5000, lambda: print("AGED", flush=True))
 def begin(viewer):
-    if sys.argv[1] == "edit":
-        QTimer.singleShot(300, lambda: (viewer.session.settle({"track.altitude": 7.25}), aged()))
-    if sys.argv[1] in ("edit", "mark"):
-        QTimer.singleShot(300, lambda: viewer.contacts.add(FISH))
-    if sys.argv[1] == "mark":
-        QTimer.singleShot(300, aged)
+    def act():
+        if sys.argv[1] == "edit":
+            viewer.session.settle({"track.altitude": 7.25})
+        viewer.contacts.add(FISH)
+        # By the window's own loop of events: a busy machine delays all its timers alike.
+        QTimer.singleShot(5000, lambda: print("AGED", flush=True))
+    if sys.argv[1] != "look":
+        QTimer.singleShot(300, act)
 Viewer.start = begin
 application.open_window(load_scene("default"))
 """

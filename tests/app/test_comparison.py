@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from controls import activate, bring_to_front, choose, colours_of, drag, finish, press_shortcut
 from PIL import Image
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSlider, QApplication, QComboBox, QLineEdit, QListWidget, QTabBar
 
@@ -69,7 +69,7 @@ def test_a_bright_line_rules_the_rms_and_not_what_is_seen():
     assert visible_share(np.zeros_like(one), np.zeros_like(one)) == 0.0
 
 
-def test_a_difference_in_words(small):
+def test_a_difference_is_given_in_words_and_changes_name_fields_and_choices(small):
     words = {
         (0.0, 0.0, 0.0): "does not change the record",
         (0.123, -0.84, 0.036): "changes the record by 12 %, 3.6 % of its picture visibly, its mean level by −0.84 dB",
@@ -78,9 +78,6 @@ def test_a_difference_in_words(small):
     assert {numbers: RecordDifference(*numbers).in_words() for numbers in words} == words
     comparable = {("sonar.bins", 200): False, ("sonar.range", 40.0): False, ("track.altitude", 7.0): True}
     assert {change: are_comparable(small, edit(small, dict([change]))) for change in comparable} == comparable
-
-
-def test_changes_name_fields_and_choices(small):
     auto = Modelling()
     other = edit(small, {"sonar.beam.width": 2.5, "targets": []})
     named = [change.in_words() for change in list_changes((small, auto), (other, auto))]
@@ -95,7 +92,7 @@ def test_changes_name_fields_and_choices(small):
     assert list_changes((small, auto), (small, tolerant)) == changes
 
 
-def test_decibels_are_paired_and_bounded():
+def test_decibels_are_paired_bounded_and_drawn_between_the_smallest_ends_that_hold_them():
     a = np.array([[1.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, False])
     b = np.array([[10.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, True])
     found = decibels_between(a, b, np.arange(3))
@@ -106,9 +103,6 @@ def test_decibels_are_paired_and_bounded():
     assert np.isnan(found[1:]).all()
     a[0][0, 1] = -1.0  # beyond the last bin of A
     assert np.isnan(decibels_between(a, b, np.arange(3))[0, 1])
-
-
-def test_a_difference_takes_the_smallest_ends_that_hold_it():
     decibels = np.full((40, 50), 1.4, np.float32)
     decibels[0, 0] = np.nan
     decibels[1, 0] = 30.0  # too few to count
@@ -139,11 +133,6 @@ def middle(viewer, share: float = 0.75) -> QPoint:
 
 def colour(viewer, share: float = 0.75) -> int:
     return int(viewer.window.waterfall.grab().toImage().pixel(middle(viewer, share)) & 0xFF00)
-
-
-def pixels(view, plot: QRect) -> np.ndarray:
-    """Colours of a part of a view."""
-    return colours_of(view.grab().toImage())[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1]
 
 
 def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compared, qtbot):
@@ -220,7 +209,8 @@ def in_view(window, kind):
     return next(child for child in shown if child.focusPolicy() != Qt.FocusPolicy.NoFocus)
 
 
-def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
+def test_a_lies_pixel_for_pixel_over_b_and_follows_its_pings_a_tow_that_runs_and_another_scene(compared, small, qtbot):
+    kept = compared.comparison.kept
     compared.session.undo()
     view, overlay = compared.window.waterfall, compared.window.overlay
     view.magnify(1.6)
@@ -232,12 +222,37 @@ def test_a_lies_pixel_for_pixel_over_b(compared, qtbot):
         compared.comparison.tick(0.0)
         overlay.hide()
         plot = view.plot_area.adjusted(2, 2, -12, -30)  # without bar and caption
-        live = pixels(view, plot)
+        live = colours_of(view.grab(plot).toImage())
         overlay.show()
         QTest.keyPress(compared.window, Qt.Key.Key_X)
-        np.testing.assert_array_equal(pixels(view, plot), live)  # the record of the same scene
+        np.testing.assert_array_equal(colours_of(view.grab(plot).toImage()), live)  # the record of the same scene
         assert compared.window.record_a.mark_at(middle(compared)) == view.mark_at(middle(compared))
         QTest.keyRelease(compared.window, Qt.Key.Key_X)
+    # A follows the pings of B.
+    compared.session.show(**usual)
+    compared.session.settle(LIGHT)
+    compared.tow.speed = 4.0
+    compared.tow.restart(1000)  # past the targets, before which the tow would pause
+    compared.run(True)
+    qtbot.waitUntil(lambda: view.top > 1060)
+    finish(compared, qtbot, compared.run, False)
+    assert compared.window.record_a.top == view.top
+    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+    finish(compared, qtbot, compared.go_to, 400)
+    assert compared.window.record_a.top == view.top == 400
+    np.testing.assert_array_equal(np.sort(kept.record.ping), np.sort(compared.record.ping))
+    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+    # Another scene with other bins stands beside it.
+    finish(compared, qtbot, compared.open, edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
+    assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
+    assert overlay.place_of_a().width() / view.plot_area.width() == pytest.approx(50.0 / 40.0)
+    compared.comparison.arrange(Arrangement.BESIDE)
+    assert compared.window.record_a.isVisible()
+    assert view.isVisible()
+    compared.comparison.arrange(Arrangement.DIFFERENCE)
+    assert not compared.window.record_a.isVisible()
+    view.grab()
+    assert overlay.difference.pixels.shape[0] == 64
 
 
 def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linked_beside_b(compared, qtbot):
@@ -302,11 +317,9 @@ def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linke
     shown = compared.session.scene
     compared.session.model(Modelling(0.1))
     press_shortcut(compared.window, "Shift+K")
-    assert compared.session.scene == compared.comparison.kept.scene
-    assert compared.session.modelling == Modelling()
+    assert (compared.session.scene, compared.session.modelling) == (compared.comparison.kept.scene, Modelling())
     compared.session.undo()
-    assert compared.session.scene == shown
-    assert compared.session.modelling == Modelling(0.1)
+    assert (compared.session.scene, compared.session.modelling) == (shown, Modelling(0.1))
 
 
 def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_panel_keeps_one(viewer, small, qtbot):
@@ -324,8 +337,7 @@ def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_
     assert "no-such-scene" in viewer.window.status.sentence.text()
     assert viewer.comparison.a is None
     viewer.session.open(edit(small, LIGHT))
-    viewer.comparison.keep_scene(edit(small, DARK))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.comparison.keep_scene, edit(small, DARK))
     np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
     viewer.comparison.keep_scene(edit(small, {"seed": 666}))
     qtbot.waitUntil(lambda: "666 is refused" in viewer.window.status.sentence.text())
@@ -381,31 +393,3 @@ def test_a_pair_is_drawn_by_a_command(tmp_path):
     with Image.open(path) as picture:
         assert picture.width > 800
     assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2
-
-
-def test_a_follows_the_pings_of_b_a_tow_that_runs_and_another_scene(compared, small, qtbot):
-    kept = compared.comparison.kept
-    compared.tow.speed = 4.0
-    compared.tow.restart(1000)  # past the targets, before which the tow would pause
-    compared.run(True)
-    qtbot.waitUntil(lambda: compared.window.waterfall.top > 1060)
-    compared.run(False)
-    qtbot.waitUntil(lambda: compared.complete)
-    assert compared.window.record_a.top == compared.window.waterfall.top
-    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
-    finish(compared, qtbot, compared.go_to, 400)
-    assert compared.window.record_a.top == compared.window.waterfall.top == 400
-    np.testing.assert_array_equal(np.sort(kept.record.ping), np.sort(compared.record.ping))
-    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
-    # Another scene with other bins stands beside it.
-    finish(compared, qtbot, compared.open, edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
-    assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
-    place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
-    assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)
-    compared.comparison.arrange(Arrangement.BESIDE)
-    assert compared.window.record_a.isVisible()
-    assert compared.window.waterfall.isVisible()
-    compared.comparison.arrange(Arrangement.DIFFERENCE)
-    assert not compared.window.record_a.isVisible()
-    compared.window.waterfall.grab()
-    assert compared.window.overlay.difference.pixels.shape[0] == 64

@@ -15,17 +15,14 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.work.simulator import pack_beneath, thin_new_ground
 
 
-@pytest.fixture
-def summing(monkeypatch):
-    """Names of the threads that sum the relief of some nodes."""
-    names = []
-    endless_heights = build.endless_heights
+def test_the_main_thread_never_sums_the_relief(open_viewer, qtbot, monkeypatch):
+    summing, endless_heights = [], build.endless_heights  # names of the threads that sum the relief of some nodes
 
     def watched(*given):
         heights = endless_heights(*given)
 
         def made(nodes):
-            names.append(threading.current_thread().name)
+            summing.append(threading.current_thread().name)
             return heights(nodes)
 
         return made
@@ -33,10 +30,6 @@ def summing(monkeypatch):
     monkeypatch.setattr(build, "endless_heights", watched)
     for kept in (build._kept_relief, build._kept_squares):
         kept.cache_clear()
-    return names
-
-
-def test_the_main_thread_never_sums_the_relief(open_viewer, summing, qtbot):
     few = {"sonar.bins": 100, "sonar.range": 25.0, "track.pings": 128, "seabed.spacing": 0.4}
     viewer = open_viewer(edit(load_scene("endless"), few | {"seed": 77}), prepare=prepare)
     qtbot.waitUntil(lambda: viewer.seabed.complete)
@@ -80,7 +73,7 @@ def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):
         assert spacing == scene.seabed.spacing
 
 
-def test_ground_is_thinned_as_far_as_its_waves_are_resolved():
+def test_ground_is_thinned_as_far_as_its_waves_are_resolved_to_the_same_landscape():
     endless = load_scene("endless")
     moved = edit(endless, {"seed": 4})
     assert thin_new_ground(moved, endless).seabed.spacing == pytest.approx(0.4)
@@ -90,11 +83,8 @@ def test_ground_is_thinned_as_far_as_its_waves_are_resolved():
     assert thin_new_ground(shortest, endless) is shortest
     assert thin_new_ground(endless, endless) is endless
     assert thin_new_ground(load_scene("default"), None).seabed.spacing == load_scene("default").seabed.spacing
-
-
-def test_thinned_ground_is_the_same_landscape():
-    endless = edit(load_scene("endless"), {"seabed.relief.of.1.height": 0.0})
-    one, other = (build.build_ground(scene) for scene in (endless, thin_new_ground(endless, None)))
+    fractal = edit(endless, {"seabed.relief.of.1.height": 0.0})
+    one, other = (build.build_ground(scene) for scene in (fractal, thin_new_ground(fractal, None)))
     along = np.arange(0.0, 40.0, 0.8)
     x, y = np.meshgrid(along, along)
     whole, thinned = one.height_at(x, y), other.height_at(x, y)

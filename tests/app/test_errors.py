@@ -1,7 +1,6 @@
 """Errors are one sentence with details to copy; a fault in a slot or an override leaves the window alive."""
 
 import ast
-import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -13,7 +12,7 @@ from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 import insonify_viewer
-from commands import PATIENCE
+from commands import PATIENCE, run_python
 from insonify.scene import SceneError, scene_to_toml
 from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.pixel import controller as pixel_controller
@@ -30,9 +29,7 @@ def copied(viewer) -> str:
     return QGuiApplication.clipboard().text()
 
 
-def test_a_mistake_is_copied_with_versions_scene_and_what_was_said_and_a_fault_of_an_explanation_is_told(
-    viewer, qtbot, monkeypatch
-):
+def test_a_mistake_is_copied_with_its_circumstances_and_a_fault_of_an_explanation_is_told(viewer, qtbot, monkeypatch):
     status = viewer.window.status
     viewer.window.say("a sentence before")
     assert not status.copy.isVisible()
@@ -77,9 +74,7 @@ class Broken(StandIn):
         return super().intensity(pings)
 
 
-def test_a_fault_in_the_core_a_slot_a_thread_or_a_job_is_one_sentence_and_the_window_lives(
-    open_viewer, small, qtbot, tmp_path
-):
+def test_a_fault_of_core_slot_thread_or_job_is_one_sentence_and_the_window_lives(open_viewer, small, qtbot, tmp_path):
     viewer = open_viewer(small, prepare=Broken)
     viewer.session.settle({"seed": 13})
     qtbot.waitUntil(viewer.window.status.copy.isVisible)
@@ -215,29 +210,33 @@ print("ALIVE", broken.sizeHint().toTuple(), window.status is not None, flush=Tru
 
 
 def test_a_painting_that_fails_in_c_is_told_once_and_the_window_lives():
-    command = [sys.executable, "-c", DRIVER]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
-    lines = done.stdout.splitlines()
-    assert done.returncode == 0, done.stderr
+    code, written, errors = run_python("-c", DRIVER, timeout=PATIENCE)
+    lines = written.splitlines()
+    assert code == 0, errors
     assert lines[-1] == "ALIVE (7, 5) True"
     told = "TOLD ValueError: cannot convert float NaN to integer 1"
     assert lines[:-1].count(told) == len(lines) - 1
     assert 5 <= len(lines) - 1 <= 10, "one of the record, one of each override of the two widgets, not one a call"
-    assert "QPaintDevice: Cannot destroy" not in done.stderr
+    assert "QPaintDevice: Cannot destroy" not in errors
 
 
-def test_every_override_that_qt_may_call_within_a_call_is_guarded():
+def test_every_override_that_qt_may_call_within_a_call_is_guarded_and_painters_end_whatever_happens():
+    """A painter left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
     root = Path(insonify_viewer.__file__).parent
+    sources = {path: path.read_text(encoding="utf-8") for path in root.rglob("*.py")}
     bare = [
         f"{path.stem}.{kind.name}.{method.name}"
-        for path in root.rglob("*.py")
-        for kind in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, source in sources.items()
+        for kind in ast.walk(ast.parse(source))
         if isinstance(kind, ast.ClassDef)
         for method in kind.body
         if isinstance(method, ast.FunctionDef) and method.name in OF_QT
         if not any(ast.unparse(one).startswith("guard_override(") for one in method.decorator_list)
     ]
     assert bare == []
+    for path, source in sources.items():
+        for line in source.splitlines():
+            assert "QPainter(" not in line or "with QPainter(" in line, f"{path.name}: {line.strip()}"
 
 
 def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypatch):
@@ -254,10 +253,3 @@ def test_an_exception_is_told_anew_after_a_success_or_another_exception(monkeypa
     assert [message.split(" ")[0] for message in told] == ["integer", "integer", "invalid"]
     assert second.divide(0) == -1
     assert len(told) == 4, "each object is told of by itself"
-
-
-def test_painters_end_whatever_happens():
-    """One that is left in a frame keeps its widget busy; a pixmap that goes before its painter ends the process."""
-    for path in Path(insonify_viewer.__file__).parent.rglob("*.py"):
-        for line in path.read_text(encoding="utf-8").splitlines():
-            assert "QPainter(" not in line or "with QPainter(" in line, f"{path.name}: {line.strip()}"

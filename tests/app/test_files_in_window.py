@@ -26,13 +26,13 @@ def said(viewer) -> str:
 
 
 def open_again(viewer, name: str):
-    """Open a file by its entry in the list of recent ones."""
+    """Trigger an entry of the list of recent files."""
     menu = viewer.window.recent
     menu.fill()
     next(action for action in menu.actions() if action.text() == name).trigger()
 
 
-def test_a_mesh_is_dropped_and_opened_again(viewer, small, qtbot, tmp_path):
+def test_a_mesh_and_a_bed_are_dropped_and_opened_again_after_a_question(viewer, small, qtbot, tmp_path, monkeypatch):
     path = Path(shutil.copy(bundled_meshes()["drum"], tmp_path))
     drop(viewer.window, bundled_meshes()["drum"])
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 1)
@@ -46,16 +46,15 @@ def test_a_mesh_is_dropped_and_opened_again(viewer, small, qtbot, tmp_path):
     assert said(viewer) == f"mesh {path.name} added as target {len(small.targets) + 1}, at x {x:g} m, y {y:g} m"
     open_again(viewer, path.name)
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == len(small.targets) + 2)
-
-
-def test_a_bed_is_dropped_opened_again_and_asks_about_changes(viewer, small, qtbot, tmp_path, monkeypatch):
+    # So is a bed.
+    viewer.session.undo(2)
     bed = tmp_path / "bed.npy"
     np.save(bed, -20.0 + np.random.default_rng(1).normal(0.0, 0.1, (300, 300)))
     for attempt in (drop, lambda window, _: open_again(viewer, "bed.npy")):
         attempt(viewer.window, bed)
         qtbot.waitUntil(lambda: viewer.session.scene.seabed.relief.kind == "dem")
         assert said(viewer).endswith("the 3 targets were removed with the scene before (Undo restores it)")
-        assert Settings().recent == [str(bed)]
+        assert Settings().recent == [str(bed), str(path)]
         viewer.session.undo()
         assert viewer.session.scene == small
     # It asks about unsaved changes.
@@ -128,9 +127,7 @@ def test_contacts_are_dropped_and_opened_by_menu(viewer, tmp_path, suffix, monke
     assert len(viewer.contacts) == 2
 
 
-def test_a_file_is_refused_in_one_sentence_or_taken_over_by_a_field_and_among_recent_ones(
-    viewer, small, qtbot, cast, tow, tmp_path, monkeypatch
-):
+def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qtbot, cast, tow, tmp_path, monkeypatch):
     drop(viewer.window, cast, tow)
     assert said(viewer) == "2 files were dropped at once; drop one file at a time"
     (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
@@ -163,7 +160,7 @@ def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, sm
     menu = viewer.window.recent
     menu.fill()
     assert [action.text() for action in menu.actions()[:2]] == ["two.toml", "one.toml"]
-    menu.actions()[1].trigger()
+    open_again(viewer, "one.toml")
     assert viewer.session.scene.seed == 7
     paths[1].unlink()
     menu.fill()
@@ -171,14 +168,13 @@ def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, sm
     menu.actions()[1].trigger()
     assert said(viewer).endswith("two.toml is no longer there; it was removed from the recent files")
     assert Settings().recent == [str(paths[0])]
-    menu.fill()
-    next(action for action in menu.actions() if action.text() == "Clear the list").trigger()
+    open_again(viewer, "Clear the list")
     assert Settings().recent == []
     settings = Settings()
     for number in range(RECENT + 5):
         settings.add_recent(str(tmp_path / f"{number}.toml"))
     assert (len(Settings().recent), Settings().recent[0]) == (RECENT, str(tmp_path / f"{RECENT + 4}.toml"))
-    next(action for action in menu.actions() if action.text() == "Clear the list").trigger()
+    open_again(viewer, "Clear the list")
     # Bundled scenes are not among them.
     path = tmp_path / "other.toml"
     path.write_text(scene_to_toml(edit(small, {"track.altitude": 6.5})), encoding="utf-8")
@@ -225,15 +221,6 @@ def shown_texts(top: QWidget) -> list[tuple[str, str]]:
     return found
 
 
-def show_the_scene(viewer, tmp_path):
-    """Show nothing but the scene: its title is in the title of the window."""
-
-
-def say_an_error(viewer, tmp_path):
-    """Show an error that quotes a file."""
-    viewer.window.status.say(f"{HOSTILE}: does not exist", lasting=True)
-
-
 def list_recent_files(viewer, tmp_path):
     """List a file among the recent ones."""
     viewer.window.settings.add_recent(str(tmp_path / f"{HOSTILE}.toml"))
@@ -262,19 +249,14 @@ def open_a_recording(viewer, tmp_path):
     viewer.recordings.open(str(path))
 
 
-def run_a_job(viewer, tmp_path):
-    """Show a job that is named by the scene."""
-    viewer.jobs.begin_work(f"chart of {HOSTILE}", lambda report: None)
-
-
 CASES = [  # with the number of texts that each adds to those that are shown
-    (show_the_scene, 4),
-    (say_an_error, 2),
+    (lambda *_: None, 4),  # the title of the scene is in the title of the window
+    (lambda viewer, _: viewer.window.status.say(f"{HOSTILE}: does not exist", lasting=True), 2),
     (list_recent_files, 2),
     (open_contacts, 4),
     (keep_as_a, 1),
     (open_a_recording, 2),
-    (run_a_job, 2),
+    (lambda viewer, _: viewer.jobs.begin_work(f"chart of {HOSTILE}", lambda report: None), 2),
 ]
 
 
@@ -292,22 +274,16 @@ def test_text_of_files_is_shown_as_it_is(open_viewer, small, tmp_path, qtbot):
         before = marked
 
 
-def test_a_question_shows_a_title_as_it_is(qtbot, monkeypatch):
-    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel)
-    ask_about_changes(None, [f"the scene “{HOSTILE}”"])
-    assert SHOWN in rich(asked[0])
-    assert not OBEYED.search(asked[0])
-
-
-def test_text_of_files_is_made_plain():
+def test_text_of_files_is_made_plain_in_a_question_and_in_declared_words(small, qapp, monkeypatch):
     assert literal("a < b & c\x1b") == "<span>a &lt; b &amp; c</span>"
     assert literal("R&D\x9b") == "R&D"
     assert entry_name("R&D\tx\ny") == "R&&D x y"
     assert window_title("a[*]\x07") == "a[*][*]"
     assert one_line(" a\n\u202eb ") == "a b"
-
-
-def test_declared_words_hold_no_control_characters(small):
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel)
+    ask_about_changes(None, [f"the scene “{HOSTILE}”"])
+    assert SHOWN in rich(asked[0])
+    assert not OBEYED.search(asked[0])
     assert edit(small, {"title": HOSTILE}).title == "]0;owned" + SHOWN + "[*]"
     page = SurveySpecification.model_validate(
         {"base": "default", "title": HOSTILE, "lines": [{"start": [0, 0], "end": [9, 0]}]}

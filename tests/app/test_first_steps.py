@@ -22,34 +22,16 @@ MOST = 3  # actions
 ROLE = Qt.ItemDataRole.UserRole
 
 
-class Hand:
-    """Does what a person does with mouse and keys, and counts it: a click, a drag, a key, or a typed line is one."""
-
-    def __init__(self):
-        self.actions = 0
-
-    def click(self, widget, place: QPoint):
-        self.actions += 1
-        QTest.mouseMove(widget, place)
-        QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=place)
-
-    def drag(self, widget, start: QPoint, end: QPoint):
-        self.actions += 1
-        drag(widget, start, end)
-
-    def key(self, widget, key: Qt.Key, held=Qt.KeyboardModifier.NoModifier):
-        self.actions += 1
-        QTest.keyClick(widget, key, held)
-
-    def type(self, line: QLineEdit, text: str):
-        self.actions += 1
-        line.selectAll()
-        QTest.keyClicks(line, text)
-
-
 @pytest.fixture
 def hand():
-    return Hand()
+    """Do what a person does with mouse and keys, and count it: a click, a drag, a key, or a typed line is one."""
+
+    def do(act: Callable[..., Any], *given: Any):
+        do.actions += 1
+        act(*given)
+
+    do.actions = 0
+    return do
 
 
 @pytest.fixture
@@ -59,6 +41,11 @@ def viewer(open_viewer, qtbot):
     activate(viewer.window, qtbot)
     viewer.run(True)
     return viewer
+
+
+def click(widget, place: QPoint):
+    QTest.mouseMove(widget, place)
+    QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=place)
 
 
 def when_it_opens(
@@ -76,34 +63,14 @@ def when_it_opens(
     look()
 
 
-def handle(viewer) -> QPoint:
-    """Place of the handle nearest to the middle of the record."""
-    record = viewer.window.waterfall
-    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
-    middle = QPoint(record.width() // 2, record.height() // 2)
-    return min(places, key=lambda place: (place - middle).manhattanLength())
-
-
-def dark(viewer) -> QPoint:
-    """Middle of the longest shadow on screen."""
-    record = viewer.window.waterfall
-    pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
-    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
-    row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
-    bins = np.flatnonzero(shadow[row, side])
-    place = record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins))))
-    assert place is not None
-    return place
-
-
 def test_another_scene_gives_its_record(viewer, hand, qtbot):
     window = viewer.window
 
     def show_pictures(menu):
-        hand.click(menu, menu.actionGeometry(window.scenes.pictures).center())
+        hand(click, menu, menu.actionGeometry(window.scenes.pictures).center())
 
     when_it_opens(QMenu, show_pictures, QApplication.activePopupWidget)
-    hand.click(window.scenes, window.scenes.rect().center())
+    hand(click, window.scenes, window.scenes.rect().center())
     qtbot.waitUntil(lambda: window.findChild(Gallery) is not None)
     pictures = window.findChild(Gallery).list
     names = [Path(pictures.item(k).data(ROLE)).stem for k in range(pictures.count())]
@@ -112,18 +79,20 @@ def test_another_scene_gives_its_record(viewer, hand, qtbot):
     assert names[0] == "default"
     item = next(item for k in range(pictures.count()) if "pipe-on-bed" in (item := pictures.item(k)).data(ROLE))
     qtbot.waitUntil(lambda: pictures.visualItemRect(item).isValid())
-    hand.click(pictures.viewport(), pictures.visualItemRect(item).center())
+    hand(click, pictures.viewport(), pictures.visualItemRect(item).center())
     assert viewer.session.scene == load_scene("pipe-on-bed")
     qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
     assert hand.actions <= MOST
 
 
 def test_a_target_is_moved(viewer, hand, qtbot):
-    before = viewer.session.scene.targets
-    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
+    before, record = viewer.session.scene.targets, viewer.window.waterfall
+    hand(QTest.keyClick, record, Qt.Key.Key_Space)
     assert not viewer.tow.running
-    start = handle(viewer)
-    hand.drag(viewer.window.waterfall, start, start + QPoint(30, 20))
+    # The handle nearest to the middle of the record.
+    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
+    start = min(places, key=lambda place: (place - record.rect().center()).manhattanLength())
+    hand(drag, record, start, start + QPoint(30, 20))
     assert viewer.session.history.undoable[0].endswith("moved")
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
@@ -138,20 +107,26 @@ def test_a_picture_is_saved(viewer, hand, qtbot, tmp_path):
         line = dialog.findChild(QLineEdit)
         assert dialog.focusWidget() is line, "it takes what is typed at once"
         line.setCompleter(None)  # its list comes up at once or a moment later, and would take the key
-        hand.type(line, str(path))
-        hand.key(line, Qt.Key.Key_Return)
+        line.selectAll()
+        hand(QTest.keyClicks, line, str(path))
+        hand(QTest.keyClick, line, Qt.Key.Key_Return)
 
     when_it_opens(QFileDialog, name)
-    hand.key(viewer.window, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    hand(QTest.keyClick, viewer.window, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(path.exists)
     assert not QImage(str(path)).isNull()
     assert hand.actions <= MOST
 
 
 def test_a_shadow_is_explained(viewer, hand, qtbot):
-    hand.key(viewer.window.waterfall, Qt.Key.Key_Space)
-    hand.click(viewer.window.waterfall, dark(viewer))
-    panel = viewer.panels["pixel"]
+    record, panel = viewer.window.waterfall, viewer.panels["pixel"]
+    hand(QTest.keyClick, record, Qt.Key.Key_Space)
+    # The middle of the longest shadow on screen.
+    pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
+    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
+    row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
+    bins = np.flatnonzero(shadow[row, side])
+    hand(click, record, record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins)))))
     qtbot.waitUntil(lambda: panel.complete, timeout=240000)
     assert panel.view.isVisible()
     assert "shadow of" in panel.view.summary.text()

@@ -21,29 +21,20 @@ runpy.run_path({program!r}, run_name="__main__")
 """
 
 
-@pytest.fixture
-def executable(tmp_path):
-    """A stand-in for the executable."""
-    path = tmp_path / "insonify"
-    program = str(FROZEN / "program.py")
-    path.write_text(EXECUTABLE.format(python=sys.executable, executable=str(path), program=program), encoding="utf-8")
-    path.chmod(0o755)
-    return path
-
-
 def test_a_frozen_program_starts_itself(monkeypatch):
     monkeypatch.setattr(sys, "frozen", True, raising=False)
     assert child_process.own_command("render", "default") == [sys.executable, "render", "default"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a script is no executable there")
-def test_processes_of_a_frozen_program_are_the_program_again(executable, tmp_path):
+def test_processes_of_a_frozen_program_are_the_program_again(tmp_path):
     """A grid is read by a child, and kernels are compiled by another where the cache is empty."""
+    path, program = tmp_path / "insonify", str(FROZEN / "program.py")  # a stand-in for the executable
+    path.write_text(EXECUTABLE.format(python=sys.executable, executable=str(path), program=program), encoding="utf-8")
+    path.chmod(0o755)
     write_tiff(tmp_path / "bed.tif", sloped(64, 64))
     words = ["relief", "default", "--set", f"seabed.relief={{ kind = 'dem', path = '{tmp_path / 'bed.tif'}' }}"]
-    done = subprocess.run(
-        [executable, *words, "-o", "bed.png"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([path, *words, "-o", "bed.png"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -5,10 +5,8 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pytest
 from controls import accessible_name, activate, answer_questions
 from PIL import Image
 from PySide6.QtCore import Qt
@@ -23,10 +21,9 @@ from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.surveys.datasets.scenes import draw_scene
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.lines.specification import SurveySpecification
-from insonify.surveys.lines.work import lay_lines
+from insonify.surveys.lines.work import lay_lawnmower
 from insonify.surveys.specification import read_specification
 from insonify_viewer.panels.jobs.view import jobs_view as jobs_window
-from insonify_viewer.panels.jobs.view.jobs_view import JobsView
 from insonify_viewer.panels.jobs.view.questions import PRESENT, DatasetQuestion, SurveyQuestion
 from insonify_viewer.state.quantities import format_time_left
 from insonify_viewer.work import jobs as background_job
@@ -34,24 +31,6 @@ from insonify_viewer.work.jobs import CommandJob, Stage, State, ThreadJob
 from strangers import traces, write_modules
 
 PATIENCE = 240_000  # ms, while kernels compile at worst
-
-
-@pytest.fixture
-def knife(small):
-    return edit(small, {"sonar.beam": "knife"})
-
-
-@pytest.fixture
-def endless_work(small):
-    """A scene whose record takes minutes: the planes of a fan cost ten times as much as a knife."""
-    return edit(small, {"track.pings": 1_000_000})
-
-
-def jobs_of(viewer) -> JobsView:
-    """Open the window of the jobs by its action."""
-    viewer.window.save.jobs.trigger()
-    panel: Any = viewer.panels["jobs"]
-    return panel.widget
 
 
 def advanced(job: CommandJob) -> bool:
@@ -82,7 +61,7 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(viewer, small, knife, qtbot, tmp_path):
+def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(viewer, small, qtbot, tmp_path):
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
@@ -96,6 +75,7 @@ def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(v
     qtbot.waitUntil(lambda: not job.running)
     assert job.state is State.STOPPED
     # A picture is displayed as in the window.
+    knife = edit(small, {"sonar.beam": "knife"})
     viewer.open(knife)
     look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
     look |= {"side": "starboard", "decibels": True, "ground_range": True}
@@ -124,11 +104,12 @@ def test_the_time_left_counts_from_where_a_stage_goes_on_in_whole_numbers(monkey
     assert told == [None, 10.0, None, None, 9.0, 12.0]
 
 
-def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp_path, monkeypatch):
-    viewer = open_viewer(edit(knife, {"track.heading": 30.0, "track.start": [5.0, -3.0]}))
+def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, small, tmp_path, monkeypatch):
+    viewer = open_viewer(edit(small, {"sonar.beam": "knife", "track.heading": 30.0, "track.start": [5.0, -3.0]}))
     begun = []
     monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
-    view = jobs_of(viewer)
+    viewer.window.save.jobs.trigger()
+    view = viewer.panels["jobs"].widget
     view.chart_wanted.emit("convergence", tmp_path / "chart.png")
     records = [tmp_path / "a.xtf", tmp_path / "b.xtf"]
     view.mosaic_wanted.emit(records, tmp_path / "mosaic.tif")
@@ -151,9 +132,9 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
 
     monkeypatch.setattr(SurveyQuestion, "exec", answer)
     view.survey_wanted.emit()
-    specification = read_specification(begun[-1][1], SurveySpecification, {}, {})
+    specification = read_specification(begun[-1][1], SurveySpecification, "surveys")
     assert specification.mosaic.overlap == "nearest"
-    lines = lay_lines(specification)
+    lines = lay_lawnmower(specification.area)
     ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
     for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
         ends = np.array([line.start, line.end]) - (5.0, -3.0)
@@ -165,7 +146,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, knife, tmp
     ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
     monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
     view.dataset_wanted.emit()
-    specification = read_specification(begun[-1][1], DatasetSpecification, {}, {})
+    specification = read_specification(begun[-1][1], DatasetSpecification, "datasets")
     drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
     altitudes = [one.scene.track.altitude for one in drawn]
     assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)
@@ -187,23 +168,8 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
     return True
 
 
-def test_closing_asks_about_jobs_and_ends_them_at_once(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
-    viewer = open_viewer(endless_work)
-    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
-    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
-    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
-    viewer.window.close()
-    assert viewer.window.isVisible()
-    assert job.running
-    viewer.window.close()
-    assert asked == ["A job is still running. Stop and close the window? What is finished stays."] * 2
-    assert not viewer.window.isVisible()
-    assert not job.running
-    assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
-
-
-def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, knife, qtbot):
-    viewer = open_viewer(knife)
+def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, small, qtbot):
+    viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
     going = threading.Event()
 
     def work(report):
@@ -282,8 +248,9 @@ def begin_waiting(viewer, title: str):
     return viewer.jobs.begin_work(title, work)
 
 
-def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot, tmp_path, monkeypatch):
-    viewer = open_viewer(endless_work)
+def test_a_record_is_begun_followed_stopped_and_ended_by_closing(open_viewer, small, qtbot, tmp_path, monkeypatch):
+    # A record that takes minutes: the planes of a fan cost ten times as much as a knife.
+    viewer = open_viewer(edit(small, {"track.pings": 1_000_000}))
     path = tmp_path / "record.nc"
     monkeypatch.setattr(jobs_window, "ask_where_to_save", lambda *_: path)
     activate(viewer.window, qtbot)
@@ -321,3 +288,16 @@ def test_a_record_is_begun_followed_and_stopped(open_viewer, endless_work, qtbot
     qtbot.waitUntil(lambda: not view.rows and not viewer.jobs.jobs)
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not view.isVisible()
+    # Closing asks about a job, and ends it at once.
+    asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard)
+    viewer.session.undo()
+    job = viewer.jobs.write_record(viewer.session, path)
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    viewer.window.close()
+    assert viewer.window.isVisible()
+    assert job.running
+    viewer.window.close()
+    assert asked == ["A job is still running. Stop and close the window? What is finished stays."] * 2
+    assert not viewer.window.isVisible()
+    assert not job.running
+    assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []

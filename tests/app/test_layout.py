@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import activate, assert_side_by_side, colours_of, scenes_by_rows
+from controls import activate, assert_side_by_side, colours_of, finish, scenes_by_rows
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
@@ -48,15 +48,6 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
             assert "…" not in child.text()
             words = child.fontMetrics().boundingRect(child.contentsRect(), Qt.TextFlag.TextWordWrap, child.text())
             assert words.width() <= child.contentsRect().width(), child.text()
-
-
-def test_parts_of_one_kind_are_numbered():
-    heaves = [{"kind": "heave", "period": period} for period in (8.0, 3.0)]
-    motions = {"kind": "sum", "of": [*heaves, {"kind": "roll"}]}
-    sections = sections_of(edit(load_scene("default"), {"track.motion": motions}))
-    found = {row.path: row.label for section in sections for row in section.parameters}
-    labels = [found[f"track.motion.of.{part}.amplitude"] for part in range(3)]
-    assert labels == ["heave 1 amplitude", "heave 2 amplitude", "roll amplitude"]
 
 
 def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
@@ -103,7 +94,7 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_a_plot_is_at_true_scale_where_it_fits():
+def test_a_plot_is_at_true_scale_where_it_fits_and_metres_towed_are_written_to_tenths():
     room = QRect(64, 24, 500, 700)
     plot = plot_at_true_scale(room, 100.0, 100.0)
     assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
@@ -111,15 +102,16 @@ def test_a_plot_is_at_true_scale_where_it_fits():
     assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
     names = {20.0: "track × 7", 1400.0: "track ÷ 10", 1.25: "track × 112", 56.0: "track × 2.5"}
     assert {along: name_scale(room, along, 100.0) for along in names} == names
+    written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
+    assert {given: write_towed(*given) for given in written} == written
 
 
 def test_a_measurement_stays_within_a_narrow_record(qapp):
     image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(100, 0, 190, 300)
     image.fill(0)
-    painter = QPainter(image)
     words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
-    draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
-    painter.end()
+    with QPainter(image) as painter:
+        draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     drawn = colours_of(image)
     assert drawn[:, 100:290].any()
     assert not drawn[:, :100].any()
@@ -132,10 +124,9 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
     projection = Projection(axis, "both", True, Zoom(), 99, 100, lambda pings: np.full(pings.shape, 10.0))
     image, taken = QImage(800, 200, QImage.Format.Format_RGB32), 60
     image.fill(0)
-    painter = QPainter(image)
-    draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
-    name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
-    painter.end()
+    with QPainter(image) as painter:
+        draw_range_ruler(painter, QRect(70, 30, width, 100), projection, "track × 2", 1.0, taken)
+        name_width = painter.fontMetrics().horizontalAdvance("slant range (m)")
     line = colours_of(image)[150:168].any(axis=0)
     assert not line[: 70 + taken].any()
     drawn = np.flatnonzero(line)
@@ -144,31 +135,22 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
         assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
 
 
-def test_metres_towed_are_written_to_tenths():
-    written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
-    assert {given: write_towed(*given) for given in written} == written
-
-
-def test_the_record_of_the_default_scene_is_at_true_scale_and_leaves_no_empty_room_below(open_viewer, small, qtbot):
+def test_the_record_is_at_true_scale_and_leaves_no_empty_room_and_panels_stay_in_the_window(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
-    waterfall = viewer.window.waterfall
+    window, waterfall, lessons = viewer.window, viewer.window.waterfall, viewer.panels["lessons"].widget
     one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
     # 100 pings of 0.2 m; 40 bins of 0.5 m.
     assert other.y() - one.y() == pytest.approx(other.x() - one.x(), rel=0.03)
     viewer.session.settle({"track.speed": 1.0})
-    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(300, 1, 40))
-    assert waterfall.mark_at(one) == Mark(500, 1, 0)
+    assert waterfall.mark_at(waterfall.place_of(Mark(500, 1, 0))) == Mark(500, 1, 0)
     viewer.session.undo()
-    viewer.window.resize(1560, 980)
+    window.resize(1560, 980)
     qtbot.waitUntil(lambda: waterfall.height() > 800)
     plot, area = waterfall.plot_area, waterfall.trace_area()
     assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
     assert plot.height() + area.height() > 0.85 * waterfall.height()
-
-
-def test_panels_at_both_sides_stay_within_the_window_and_return_to_their_places(viewer, qtbot):
-    window, lessons = viewer.window, viewer.panels["lessons"].widget
-    shown = [viewer.panels["parameters"].widget, window.waterfall]
+    # Panels at both sides stay within the window, and return to their places.
+    shown = [viewer.panels["parameters"].widget, waterfall]
     for width in (780, 900, 1000, 1600, 900):
         window.resize(width, 540)
         qtbot.waitUntil(lambda width=width: window.width() == width)
@@ -179,7 +161,7 @@ def test_panels_at_both_sides_stay_within_the_window_and_return_to_their_places(
             assert window.width() == width
             assert_side_by_side(window, *shown, *more)
             assert not any(each.visibleRegion().isEmpty() for each in (*shown, *more))
-            assert window.waterfall.width() >= 200
+            assert waterfall.width() >= 200
             assert window.seabed.isVisible()
     # Record and seabed keep room beside a lesson and rays.
     views, places = window._splitter, [viewer.panels[name].widget for name in ("parameters", "lessons", "water")]
@@ -190,12 +172,12 @@ def test_panels_at_both_sides_stay_within_the_window_and_return_to_their_places(
         qtbot.waitUntil(lambda: views.width() * views.height() >= 0.45 * window.width() * window.height())
         assert (window.width(), window.height()) == (width, height)
         assert all(not place.visibleRegion().isEmpty() for place in places), "none hides another"
-        assert window.waterfall.width() > window.seabed.width()
+        assert waterfall.width() > window.seabed.width()
         if width == 1280:
             qtbot.waitUntil(lambda: places[1].height() > 1.3 * places[0].height())
-            assert window.waterfall.trace_area() is None, "the record has its room"
+            assert waterfall.trace_area() is None, "the record has its room"
             window.trace.trigger()
-            assert window.waterfall.trace_area() is not None, "unless the person asks for it"
+            assert waterfall.trace_area() is not None, "unless the person asks for it"
         for panel in ("lessons", "water"):
             window._buttons[panel].setChecked(False)
         window.open_panel("lessons")
@@ -210,7 +192,8 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_commands(viewer, window, qtbot, monkeypatch):
+def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_commands(viewer, qtbot, monkeypatch):
+    window = viewer.window
     bar = window.findChild(QToolBar)
     assert bar.sizeHint().width() <= 900
     window.resize(900, 540)
@@ -219,8 +202,7 @@ def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_comma
     assert window.minimumSizeHint().width() <= 800
     window.resize(800, 450)
     qtbot.waitUntil(lambda: window.width() == 800)
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, window.open_panel, "water")
     assert window.size().width() <= 800
     # Every tool stands in a menu.
     menus = [action.menu() for action in window.menuBar().actions()]

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from controls import choose, colours_of, watched_events
-from PySide6.QtCore import QEvent, QPoint, QSettings, Qt
+from controls import choose, colours_of, finish, watched_events
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPalette
 from PySide6.QtWidgets import QWidget
 
@@ -21,14 +21,10 @@ from insonify_viewer.window.settings import Settings
 
 def contrast(one: str, other: str) -> float:
     """Contrast ratio of two colours (WCAG 2.1, section 1.4.3)."""
-
-    def luminance(name: str) -> float:
-        parts = (QColor(name).redF(), QColor(name).greenF(), QColor(name).blueF())
-        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    dark, light = sorted((luminance(one), luminance(other)))
-    return (light + 0.05) / (dark + 0.05)
+    shares = np.array([QColor(name).getRgbF()[:3] for name in (one, other)])
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    dark, light = np.sort(linear @ (0.2126, 0.7152, 0.0722))  # luminances
+    return float((light + 0.05) / (dark + 0.05))
 
 
 @pytest.mark.parametrize("light", [False, True], ids=["dark", "light"])
@@ -44,15 +40,9 @@ def test_words_stand_out(words, ground, light):
     assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5
 
 
-def corner(widget: QWidget) -> QColor:
-    """Colour of the corner of a widget that paints its own ground."""
-    return widget.grab().toImage().pixelColor(1, 1)
-
-
 def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
     window, words = viewer.window, viewer.panels["parameters"].widget.findChild(AboutBox).label
-    window.open_panel("water")
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, window.open_panel, "water")
     water = viewer.panels["water"].view
     themes = {action.data(): action for action in window.looks.themes}
     try:
@@ -63,7 +53,8 @@ def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
             assert GROUND.name() == ground
             assert qapp.palette().color(QPalette.ColorRole.Window).name() == ground
             # A native window may have 16 bits a pixel: 5 of them for red.
-            assert corner(window.waterfall).lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
+            corner = window.waterfall.grab().toImage().pixelColor(1, 1)
+            assert corner.lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
             assert ACCENT.name() in words.text(), "so do the links of a description"
             picture = colours_of(water.grab().toImage())  # angles over the water stand on the ground of the window
             above = np.unique(picture[2:20, water.width() // 2 :])
@@ -105,6 +96,9 @@ def test_settings_survive_nonsense_and_a_gain_that_is_dragged_writes_no_file(mon
     assert (settings.theme, settings.size) == (Theme.SYSTEM, 100)
     assert settings.geometry.isEmpty()
     assert isinstance(settings.recent, list)
+    for spoilt in ("palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"):
+        settings._store.setValue("display", spoilt)
+        assert Settings().display == {}, "the usual one"
     settings.size, settings.theme = 150, Theme.LIGHT
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
     written = []
@@ -148,21 +142,15 @@ def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(o
     assert Settings().display == {}
 
 
-@pytest.mark.parametrize("spoilt", ["palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"])
-def test_a_spoilt_display_reads_as_the_usual_one(spoilt):
-    store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
-    store.setValue("display", spoilt)
-    assert Settings().display == {}
-
-
 @pytest.fixture(params=[Theme.DARK, Theme.LIGHT], ids=["dark", "light"])
-def theme(request, qapp):
+def _theme(request, qapp):
     apply_theme(qapp, request.param)
-    yield request.param
+    yield
     apply_theme(qapp)
 
 
-def test_a_histogram_stands_out(theme, qtbot):
+@pytest.mark.usefixtures("_theme")
+def test_a_histogram_and_marks_of_a_record_stand_out_from_their_halos(qtbot):
     histogram = HistogramView()
     qtbot.addWidget(histogram)
     histogram.resize(320, 112)
@@ -170,15 +158,11 @@ def test_a_histogram_stands_out(theme, qtbot):
     picture = histogram.grab().toImage()
     peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
     assert contrast(peak, beside) >= 3.0
-
-
-def test_marks_of_a_record_stand_out_from_their_halos(theme, qtbot):
     picture = QImage(60, 60, QImage.Format.Format_RGB32)
     for echo in ("#000000", "#b06a28", "#ffffff"):
         picture.fill(QColor(echo))
-        painter = QPainter(picture)
-        draw_pin(painter, QPoint(30, 30))
-        painter.end()
+        with QPainter(picture) as painter:
+            draw_pin(painter, QPoint(30, 30))
         drawn = {f"#{colour:06x}" for colour in np.unique(colours_of(picture))}
         assert max(contrast(one, echo) for one in drawn) >= 3.0
         assert max(contrast(MARK_IN_WATER, one) for one in drawn) >= 3.0, "against the echo or the halo"

@@ -1,5 +1,6 @@
 """Panels are found by being there or by being announced, mounted in order, and told of what happens."""
 
+from functools import partialmethod
 from importlib.metadata import EntryPoint
 from typing import Any
 
@@ -7,6 +8,7 @@ import pytest
 from PySide6.QtWidgets import QDockWidget, QLabel
 
 from insonify.plugins import announced, modules_in
+from insonify.scene import edit
 from insonify_viewer import panels
 from insonify_viewer.panels import GROUP, find_panels
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
@@ -21,6 +23,7 @@ class DummyPanel(Panel):
     name = "dummy"
     title = "Dummy"
     place = Place.SIDE
+    complete = True
 
     def __init__(self, workbench: Workbench):
         self.workbench = workbench
@@ -31,32 +34,19 @@ class DummyPanel(Panel):
     def widget(self) -> QLabel:
         return self.widget_shown
 
-    def scene_changed(self, scene, settled: bool):
-        self.told.append(("scene", scene.altitude, settled))
+    def note(self, what: str, *given: Any):
+        self.told.append((what, *given))
 
-    def scene_refused(self):
-        self.told.append(("refused",))
+    scene_changed = partialmethod(note, "scene")
+    scene_refused = partialmethod(note, "refused")
+    record_grown = partialmethod(note, "record")
+    plan_made = partialmethod(note, "plan")
+    point_marked = partialmethod(note, "point")
+    opened = partialmethod(note, "opened")
+    closing = partialmethod(note, "closing")
 
-    def record_grown(self, growth):
-        self.told.append(("record", growth.current, growth.complete))
-
-    def plan_made(self, plan):
-        self.told.append(("plan", plan.method))
-
-    def point_marked(self, point):
-        self.told.append(("point", point))
-
-    def part_added(self, path: str):
-        self.told.append(("part", path))
-
-    def opened(self, shown: bool):
-        self.told.append(("opened", shown))
-
-    def closing(self):
-        self.told.append(("closing",))
-
-    def counted(self, what: str) -> int:
-        return sum(words[0] == what for words in self.told)
+    def notes(self, what: str) -> list[Any]:
+        return [given[0] for kind, *given in self.told if kind == what]
 
 
 class DummyBelow(DummyPanel):
@@ -82,7 +72,7 @@ def announce(monkeypatch):
     return add
 
 
-def test_every_folder_holds_a_panel():
+def test_every_folder_holds_a_panel_and_their_order_is_stable(announce):
     folders = [module for module in modules_in("insonify_viewer.panels") if hasattr(module, "__path__")]
     assert folders
     found = find_panels()
@@ -92,19 +82,11 @@ def test_every_folder_holds_a_panel():
         assert Panel in panel.__mro__
         assert panel.title
         assert (panel.__doc__ or "").strip()
-
-
-def test_names_are_unique_and_the_order_is_stable(announce):
     announce(DummyBelow, DummyPanel)
-    found = find_panels()
-    names = [panel.name for panel in found]
-    assert len(set(names)) == len(names)
-    assert names == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
+    assert [panel.name for panel in find_panels()] == [*OWN[:6], "dummy", "dummy-below", *OWN[6:]]
 
 
-def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit_the_scene(
-    open_viewer, small, qtbot, announce
-):
+def test_an_announced_panel_is_a_tab_or_opens_by_its_button_and_edits_the_scene(open_viewer, small, qtbot, announce):
     announce(DummyPanel, DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
@@ -114,15 +96,21 @@ def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit
     assert dummy.widget.visibleRegion().isEmpty(), "the first tab is in front"
     dummy.workbench.open_panel("dummy")
     qtbot.waitUntil(lambda: not dummy.widget.visibleRegion().isEmpty())
-    assert dummy.told[0] == ("scene", 10.0, True)
-    assert ("plan", "sweep") in dummy.told
-    assert ("record", True, True) in dummy.told
+    assert dummy.told[0] == ("scene", small, True)
+    assert "sweep" in [plan.method for plan in dummy.notes("plan")]
+    assert (True, True) in [(growth.current, growth.complete) for growth in dummy.notes("record")]
     viewer.session.drag({"track.altitude": 8.0})
-    assert dummy.told[-1] == ("scene", 8.0, False)
+    lower = edit(small, {"track.altitude": 8.0})
+    assert dummy.told[-1] == ("scene", lower, False)
     viewer.session.settle()
-    assert dummy.told[-1] == ("scene", 8.0, True)
-    plans = dummy.counted("plan")
-    qtbot.waitUntil(lambda: dummy.counted("plan") == plans + 1)
+    assert dummy.told[-1] == ("scene", lower, True)
+    plans = len(dummy.notes("plan"))
+    qtbot.waitUntil(lambda: len(dummy.notes("plan")) == plans + 1)
+    qtbot.waitUntil(lambda: viewer.complete)
+    dummy.complete = False
+    assert not viewer.complete, "a snapshot waits for every panel"
+    dummy.complete = True
+    assert viewer.complete
     # One below and one in a window open by their buttons.
     below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
     actions = {action.text(): action for action in viewer.window.menus.view.actions()}
@@ -143,29 +131,10 @@ def test_an_announced_panel_is_a_tab_or_opens_by_its_button_is_told_and_may_edit
     waterfall = viewer.window.waterfall
     waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
     kind, point = viewer.panels["dummy"].told[-1]
-    assert kind == "point"
-    assert point.slant_range == 2.25
-    assert point.ground_range is None
+    assert (kind, point.slant_range, point.ground_range) == ("point", 2.25, None)
     waterfall.hovered.emit(None)
     assert viewer.panels["dummy"].told[-1] == ("point", None)
     viewer.session.settle({"seed": 666})
     qtbot.waitUntil(lambda: ("refused",) in dummy.told)
     viewer.window.close()
     assert dummy.told[-1] == ("closing",)
-
-
-def test_a_snapshot_waits_for_every_panel(open_viewer, small, announce):
-    class BusyPanel(DummyPanel):
-        busy = True
-
-        @property
-        def complete(self):
-            return not self.busy
-
-    globals()["BusyPanel"] = BusyPanel
-    BusyPanel.__qualname__ = "BusyPanel"
-    announce(BusyPanel)
-    viewer = open_viewer(small, until=lambda viewer: viewer._started)
-    assert not viewer.complete
-    viewer.panels["dummy"].busy = False
-    assert viewer.panels["dummy"].complete

@@ -126,10 +126,31 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
-def test_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot):
+def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot, monkeypatch):
+    threads = set()
+
+    def watched(scene):
+        threads.add(threading.current_thread())
+        return beam_curve(scene)
+
+    monkeypatch.setattr(registry, "beam_curve", watched)
     peaked = edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
     viewer = open_viewer(peaked)
     panel = viewer.panels["parameters"].widget
+    picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one._draws)
+    panel.ensureWidgetVisible(picture, 0, 0)
+    qtbot.waitUntil(lambda: bool(picture.curves))
+    assert picture.curves[0].note.startswith("−3 dB: 1°")
+    assert viewer.session.settle({"sonar.beam.width": 4.0})
+    qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
+    assert threading.main_thread() not in threads, "painting computes nothing"
+    # What has no curve takes no room.
+    changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
+    assert viewer.session.settle(changes)
+    assert not [one for one in panel.findChildren(CurvesPicture) if one.isVisible()]
+    # A peak is dragged in one step.
+    viewer.open(peaked)
+    undoable = viewer.session.history.undoable
     picture = panel.findChildren(SpectrumPicture)[0]
     panel.ensureWidgetVisible(picture, 0, 0)
     away = picture.place_of((-20.0, -20.0)).toPoint()
@@ -145,30 +166,7 @@ def test_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot):
     assert still == (0.0, 0.0)
     viewer.session.undo()
     assert viewer.session.scene.seabed.relief.peaks[0] == (8.0, 20.0)
-    assert not viewer.session.history.undoable
-
-
-def test_curves_follow_the_scene_and_take_no_room_where_there_are_none(open_viewer, small, qtbot, monkeypatch):
-    threads = set()
-
-    def watched(scene):
-        threads.add(threading.current_thread())
-        return beam_curve(scene)
-
-    monkeypatch.setattr(registry, "beam_curve", watched)
-    viewer = open_viewer(small)
-    panel = viewer.panels["parameters"].widget
-    picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one._draws)
-    panel.ensureWidgetVisible(picture, 0, 0)
-    qtbot.waitUntil(lambda: bool(picture.curves))
-    assert picture.curves[0].note.startswith("−3 dB: 1°")
-    assert viewer.session.settle({"sonar.beam.width": 4.0})
-    qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
-    assert threading.main_thread() not in threads, "painting computes nothing"
-    # What has no curve takes no room.
-    changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
-    assert viewer.session.settle(changes)
-    assert not [one for one in panel.findChildren(CurvesPicture) if one.isVisible()]
+    assert viewer.session.history.undoable == undoable
 
 
 def shown(scene) -> dict:
@@ -178,14 +176,9 @@ def shown(scene) -> dict:
     return {p.path.removeprefix(prefix): p for p in seabed.parameters if p.path.startswith(prefix)}
 
 
-@pytest.fixture
-def scene():
-    return load_scene("default")
-
-
 @pytest.mark.parametrize("kind", [kind for kind in RELIEFS if kind not in ("flat", "mimic")])
-def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
-    chosen = with_relief(scene, kind=kind)
+def test_every_slider_of_a_kind_may_be_pushed_to_either_end(kind):
+    chosen = with_relief(load_scene("default"), kind=kind)
     sliders = {path: p for path, p in shown(chosen).items() if isinstance(p, NumberField) and p.slider is not None}
     assert sliders
     for path, number in sliders.items():
@@ -194,16 +187,14 @@ def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
                 with_relief(chosen, **{path.replace(".", "__"): end})
 
 
-def test_what_all_relief_has_comes_last_without_a_period_of_endless_ripples_and_a_mask_brings_its_sliders(scene):
+def test_what_all_relief_has_comes_last_a_mask_brings_its_sliders_and_parts_of_a_sum_keep_one_period():
+    scene = load_scene("default")
     ripples = with_relief(scene, kind="ripples")
     names = list(shown(ripples))
     assert (names[:2], names[-3:]) == (["kind", "wavelength"], ["period", "extent", "mask.kind"])
     assert "period" not in shown(with_relief(ripples, extent="endless"))
     assert "period" in shown(with_relief(with_relief(scene, kind="power_law"), extent="endless"))
     assert {"mask.share", "mask.size", "mask.softness"} <= set(shown(with_relief(ripples, mask__kind="patches")))
-
-
-def test_parts_of_a_sum_keep_one_period_and_their_headings(scene):
     both = with_relief(scene, kind="sum")
     assert [part.kind for part in both.seabed.relief.of] == ["fractal", "ripples"]
     assert both.seabed.relief.of[0] == scene.seabed.relief

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from controls import watched_events
+from controls import move_slider, watched_events
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
@@ -39,8 +39,8 @@ def figure(viewer, name: str) -> str:
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_three_to_six_controls_are_pinned(name):
-    scene = load_scene(name)
+def test_three_to_six_controls_are_pinned_and_every_link_leads_there_and_back(name):
+    scene, trials = load_scene(name), Trials()
     section = pinned_section(scene, sections_of(scene))
     assert section is not None
     assert 3 <= len(section.parameters) <= 6
@@ -48,6 +48,14 @@ def test_three_to_six_controls_are_pinned(name):
     assert [row.path for row in section.parameters] == [path for path in scene.controls if path in paths]
     labels = [row.label for row in section.parameters]
     assert len(set(labels)) == len(labels)
+    for number in range(len(trials.links(scene))):
+        session = Session(scene)
+        assert session.settle(trials.follow(session.scene, number)[1])
+        assert trials.tried(session.scene)[number]
+        there = tuple(row.path for section in sections_of(session.scene) for row in section.parameters)
+        assert row_of(trials.links(scene)[number].path, there) in there, "its row is lit"
+        assert session.settle(trials.follow(session.scene, number)[1])
+        assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
 
 
 def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(viewer, qtbot):
@@ -56,9 +64,7 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     assert row is view._sections["controls"].rows["track.altitude"]
     other = view._sections["track"].rows["track.altitude"]
     assert row.label.mapTo(view.widget(), QPoint()).y() < other.label.mapTo(view.widget(), QPoint()).y()
-    row.slider.setSliderDown(True)
-    row.slider.setValue(100)
-    row.slider.setSliderDown(False)
+    move_slider(row.slider, 100).setSliderDown(False)
     assert viewer.session.scene.track.altitude == pytest.approx(4.8, abs=0.05)  # a tenth of 2 to 30 m
     qtbot.waitUntil(lambda: viewer.complete)
     assert other.slider.value() == 100
@@ -86,8 +92,7 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
 
     press("targets.1", "copy")
     copy = session.scene.targets[3]
-    assert (copy.kind, copy.radius) == ("sphere", 0.5)
-    assert copy.position == (66.0, -18.0)
+    assert (copy.kind, copy.radius, copy.position) == ("sphere", 0.5, (66.0, -18.0))
     assert session.history.undoable[0] == "sphere 2 duplicated"
     press("targets.3", "lock")
     assert session.scene.targets[3].locked
@@ -120,9 +125,7 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     assert view._sections["sonar"].isVisible()
 
 
-def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_it_was(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_a_link_moves_its_control_in_sight_and_an_effect_comes_back_as_it_was(open_viewer, small, qtbot, monkeypatch):
     links = "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."
     viewer = open_viewer(edit(small, {"description": links}))
     view, session = panel(viewer).view, viewer.session
@@ -172,19 +175,6 @@ def test_a_link_moves_its_control_in_sight_and_back_and_an_effect_comes_back_as_
     assert session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
 
 
-@pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_every_link_leads_there_and_back(name):
-    scene, trials = load_scene(name), Trials()
-    for number in range(len(trials.links(scene))):
-        session = Session(scene)
-        assert session.settle(trials.follow(session.scene, number)[1])
-        assert trials.tried(session.scene)[number]
-        there = tuple(row.path for section in sections_of(session.scene) for row in section.parameters)
-        assert row_of(trials.links(scene)[number].path, there) in there, "its row is lit"
-        assert session.settle(trials.follow(session.scene, number)[1])
-        assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
-
-
 def test_bent_water_goes_straight_and_bends_again():
     scene = edit(load_scene("thermocline"), {"water.absorption": 40.0})
     bending = next(effect for effect in EFFECTS if effect.name == "bending")
@@ -207,29 +197,24 @@ def test_every_effect_can_be_added_and_taken_out(effect):
 
 def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(open_viewer, small, qtbot):
     scene = edit(small, {"receiver.speckle": "rayleigh", "track.pings": 64})
-    viewer = open_viewer(scene, prepare=None)
+    viewer, pings = open_viewer(scene, prepare=None), np.arange(64, dtype=np.int64)
 
     def measure(other):
         viewer.open(other)
         qtbot.waitUntil(lambda: viewer.complete and panel(viewer).at_rest, timeout=240000)
+        return panel(viewer)._meter.differences(other, viewer.session.modelling)
 
-    measure(scene)
-    pings = np.arange(64, dtype=np.int64)
+    def normalised(simulation):
+        return np.square(LevelBed(simulation).amplitudes(pings), dtype=np.float64)
 
-    def normalised(one):
-        simulation = prepare(one)
-        return simulation, np.square(LevelBed(simulation).amplitudes(pings), dtype=np.float64)
-
+    differences = measure(scene)
     smooth = edit(scene, {"receiver.speckle": "none"})
-    for name, before, changes in (
-        ("beam", smooth, {"sonar.beam": "knife"}),
-        ("speckle", scene, {"receiver.speckle": "none"}),
-    ):
-        simulation, b = normalised(before)
-        _, a = normalised(edit(before, changes))
+    for name, before, after in (("beam", smooth, edit(smooth, {"sonar.beam": "knife"})), ("speckle", scene, smooth)):
+        simulation = prepare(before)
+        a, b = normalised(prepare(after)), normalised(simulation)
         first = find_first_bin(1.4, simulation.arrays, simulation.poses(pings))
         share = compute_errors(a, b, np.ones(100), first_bin=0, beyond_bin=first).beyond
-        told = panel(viewer)._meter.differences(scene, viewer.session.modelling)[name]
+        told = differences[name]
         assert told.share == pytest.approx(share, rel=0.05), name
         lit = (a > 1e-4) | (b > 1e-4)
         seen = np.abs(10.0 * np.log10((a[lit] + 1e-4) / (b[lit] + 1e-4))) >= 1.0
@@ -238,18 +223,14 @@ def test_what_an_effect_changes_is_measured_as_seen_and_as_errors_are(open_viewe
     assert figure(viewer, "noise") == "", "what the scene never had is not measured"
     # Without the pulse the speckle of half of the bins is another; the bed and its shadows are where they were.
     scene = edit(load_scene("default"), {"receiver.speckle": "rayleigh", "track.pings": 64})
-    measure(scene)
-    told = panel(viewer)._meter.differences(scene, viewer.session.modelling)["pulse"]
-    one, other = (
-        np.square(LevelBed(prepare(each)).amplitudes(pings)) for each in (scene, edit(scene, {"sonar.pulse": "ideal"}))
-    )
+    told = measure(scene)["pulse"]
+    one, other = (normalised(prepare(each)) for each in (scene, edit(scene, {"sonar.pulse": "ideal"})))
     assert visible_share(one, other) > 3.0 * told.visible
     tips = {name: panel(viewer).view.effects.figures[name].toolTip() for name in ("pulse", "speckle")}
     assert "compared without speckle" in tips["pulse"]
     assert "compared without speckle" not in tips["speckle"]
     # The pulse spreads the echo of the pipe over two bins: nearly all of the rms, and a line of the picture.
-    measure(load_scene("default"))
-    told = panel(viewer)._meter.differences(viewer.session.scene, viewer.session.modelling)["pulse"]
+    told = measure(load_scene("default"))["pulse"]
     assert told.share > 0.8
     assert told.visible < 0.1
     assert figure(viewer, "pulse") == f"changes {100 * told.visible:.2g} %"
@@ -287,11 +268,7 @@ def test_figures_are_measured_once(viewer, qtbot):
 def test_undo_says_what_it_undoes_and_values_are_reset_by_their_names_and_sections(viewer, small, qtbot):
     undo, redo = viewer.window.undo, viewer.window.redo
     assert not undo.isEnabled()
-    row = panel(viewer).view.row("sonar.beam.width")
-    row.slider.setSliderDown(True)
-    for place in (600, 700, 800):
-        row.slider.setValue(place)
-    row.slider.setSliderDown(False)
+    move_slider(panel(viewer).view.row("sonar.beam.width").slider, 600, 700, 800).setSliderDown(False)
     viewer.session.settle({"targets.1.position.0": 61.0})
     last, entries = "Undo: sphere 2 position x", viewer.window.history.lists[0].actions()
     assert (undo.text(), undo.toolTip()) == (last, f"{last} (Ctrl+Z)")
@@ -327,8 +304,7 @@ def test_undo_says_what_it_undoes_and_values_are_reset_by_their_names_and_sectio
     qtbot.waitUntil(view._sections["sonar"]._reset.isVisible)
     view.ensureWidgetVisible(view._sections["sonar"]._reset)
     QTest.mouseClick(view._sections["sonar"]._reset, Qt.MouseButton.LeftButton)
-    assert session.scene.sonar == small.sonar
-    assert session.scene.track.altitude == 8.0
+    assert (session.scene.sonar, session.scene.track.altitude) == (small.sonar, 8.0)
     session.undo()
     assert session.scene.sonar.beam.kind == "gaussian", "one step"
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import pyvista as pv
-from controls import colours_of
+from controls import colours_of, finish
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
@@ -23,13 +23,8 @@ BED = Mark(40, 1, 500)
 
 
 @pytest.fixture
-def scene():
-    return edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 1000})
-
-
-@pytest.fixture
-def viewer(open_viewer, scene):
-    return open_viewer(scene, prepare=None)
+def viewer(open_viewer):
+    return open_viewer(edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 1000}), prepare=None)
 
 
 def click(viewer, mark: Mark, qtbot):
@@ -118,7 +113,7 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
 
 
-def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(viewer, scene, qtbot):
+def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(viewer, qtbot):
     click(viewer, SHADOW, qtbot)
     waterfall = viewer.window.waterfall
     place = waterfall.place_of(viewer.inspection.mark)
@@ -148,8 +143,7 @@ def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(view
     qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text())
     assert "pipe 1" not in budget(viewer)
     assert viewer.inspection.mark is not None
-    viewer.open(edit(scene, {"sonar.bins": 500}))
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.open, edit(viewer.session.scene, {"sonar.bins": 500}))
     assert viewer.inspection.mark is None
 
 

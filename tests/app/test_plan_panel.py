@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from controls import choose, colours_of
+from controls import choose, colours_of, finish, move_slider
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
@@ -38,18 +38,14 @@ def line_of(view, subject: str):
     return next(group.lines[subject] for group in view.groups.values() if subject in group.lines)
 
 
-def pick(viewer, subject: str, choice: str | None):
+def pick(viewer, qtbot, subject: str, choice: str | None):
     combo = line_of(viewer.panels["plan"].view, subject).combo
     index = combo.findData(choice)
     assert index >= 0
-    choose(combo, index)
+    finish(viewer, qtbot, choose, combo, index)
 
 
-def wait(viewer, qtbot):
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-
-
-def test_forced_choices_are_undone_with_the_scenes():
+def test_forced_choices_are_undone_with_the_scenes_and_a_drag_keeps_what_is_left_out():
     default = load_scene("default")
     session = Session(default)
     session.model(session.modelling.forcing("planes", "16"))
@@ -65,44 +61,32 @@ def test_forced_choices_are_undone_with_the_scenes():
     assert dict(session.modelling.forced) == {"planes": "16"}
     session.open(edit(default, {"seed": 9}))
     assert session.modelling == Modelling(), "another scene leaves every choice to its own plan"
-
-
-def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely():
     modelling = Modelling(0.01, (("planes", "64"), ("targets", "off"), ("method", "rays")))
-    assert dict(modelling.coarse.forced) == {"targets": "off", "planes": "1", "rays": "1000"}
+    assert dict(modelling.coarse.forced) == {"targets": "off", "planes": "1", "rays": "1000"}, "a drag forgets planes"
     assert modelling.coarse.tolerance == 0.01
 
 
 def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"water": BENT}))
-    wait(viewer, qtbot)
     view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
     assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.groups[True].lines)
     assert "bending" in view.groups[True].lines
-    pick(viewer, "bending", "off")
-    wait(viewer, qtbot)
+    pick(viewer, qtbot, "bending", "off")
     assert "bending" in view.groups[False].lines
     assert line_of(view, "bending").combo.currentText() == "off"
     assert view.automatic.isEnabled()
-    view.automatic.click()
-    wait(viewer, qtbot)
+    finish(viewer, qtbot, view.automatic.click)
     assert "bending" in view.groups[True].lines
     assert not view.automatic.isEnabled()
     assert viewer.session.modelling == Modelling()
     # The tolerance is final when it is let go.
-    viewer.open(small)
-    wait(viewer, qtbot)
-    slider = viewer.panels["plan"].view._tolerance.slider
-    slider.setSliderDown(True)
-    slider.setValue(1000)
+    finish(viewer, qtbot, viewer.open, small)
+    slider = move_slider(viewer.panels["plan"].view._tolerance.slider, 1000)
     assert viewer.session.modelling.tolerance == 0.03
-    slider.setSliderDown(False)
-    wait(viewer, qtbot)
-    assert viewer.session.modelling.tolerance == 0.5
-    assert viewer._answer.simulation.tolerance == 0.5
+    finish(viewer, qtbot, slider.setSliderDown, False)
+    assert viewer.session.modelling.tolerance == viewer._answer.simulation.tolerance == 0.5
     # What cannot be done is said and taken back.
-    viewer.open(edit(small, {"receiver.speckle": "coherent"}))
-    wait(viewer, qtbot)
+    finish(viewer, qtbot, viewer.open, edit(small, {"receiver.speckle": "coherent"}))
     before = viewer.session.modelling
     viewer.session.model(before.forcing("method", "rays"))
     qtbot.waitUntil(lambda: viewer.session.modelling == before)
@@ -114,8 +98,7 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(op
     viewer = open_viewer(scene, prepare=prepare)
     pings = np.arange(32, dtype=np.int64)
     before = viewer._answer.simulation.intensity(pings)
-    pick(viewer, "planes", "2")
-    wait(viewer, qtbot)
+    pick(viewer, qtbot, "planes", "2")
     after = viewer._answer.simulation.intensity(pings)
     assert (after != before).any()
     said = viewer.window.status.sentence.text()
@@ -186,9 +169,7 @@ def measure(viewer, qtbot):
     qtbot.waitUntil(lambda: not viewer.panels["chart"].busy)
 
 
-def test_a_click_on_a_point_shows_its_record_keys_lead_to_the_others_and_it_is_saved(
-    window, qtbot, tmp_path, monkeypatch
-):
+def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window, qtbot, tmp_path, monkeypatch):
     measure(window, qtbot)
     view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()
@@ -235,8 +216,7 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
     assert not window.tow.running, "a tow would take time from what is timed"
     qtbot.waitUntil(lambda: len(seen) > 5)
     assert not view.measure.isEnabled()
-    window.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: window.complete)
+    finish(window, qtbot, window.session.settle, {"track.altitude": 7.0})
     job = window.jobs.running[0]
     assert job.title == f"chart of {window.session.scene.title}"
     assert window.window.jobs.isVisible()
@@ -276,8 +256,9 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
     assert not window.panels["chart"].busy
 
 
-def test_points_lie_where_they_are_drawn(small):
-    pictured = draw_chart(a_chart(small))
+def test_points_lie_where_they_are_drawn_the_nearer_one_is_picked_and_its_record_laid_out_as_it_is_read(small):
+    chart = a_chart(small)
+    pictured = draw_chart(chart)
     height, width = pictured.pixels.shape[:2]
     for point in pictured.points:
         colour = pictured.pixels[round(point.y * height), round(point.x * width), :3].astype(int)
@@ -285,16 +266,9 @@ def test_points_lie_where_they_are_drawn(small):
         assert nearest_row(pictured.points, point.x + 2e-3, point.y, height / width, 0.01) is point.row
     assert nearest_row(pictured.points, 0.01, 0.01, height / width, 0.01) is None
     assert nearest_row((), 0.5, 0.5, 1.0, 1.0) is None
-
-
-def test_the_nearer_point_is_picked():
     points = (ChartPoint(0.4, 0.5, "one"), ChartPoint(0.6, 0.5, "other"))
     picked = {(0.45, 0.5, 1.0): "one", (0.55, 0.5, 1.0): "other", (0.4, 0.58, 2.0): None}  # heights count as seen
     assert {at: nearest_row(points, *at, 0.1) for at in picked} == picked
-
-
-def test_a_record_is_laid_out_as_it_is_read(small):
-    chart = a_chart(small)
     judged = row_details(chart, chart.rows[0])
     assert judged.similarity == pytest.approx(1.0)
     assert judged.record.shape == (4, 200)

@@ -24,8 +24,7 @@ def focused(viewer, qtbot):
     activate(viewer.window, qtbot)
     viewer.tow.restart(500)
     viewer.run(False)
-    viewer.window.waterfall.show_last(500)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.window.waterfall.show_last, 500)
     viewer.window.waterfall.setFocus()
     return viewer
 
@@ -45,7 +44,7 @@ def point(viewer, mark: Mark):
 
 
 @pytest.mark.usefixtures("focused")
-def test_keys_look_back_in_the_direction_of_the_wheel_and_every_ping_comes_under_the_cursor(viewer):
+def test_keys_look_back_in_the_direction_of_the_wheel_and_bring_every_ping_and_bin_under_the_cursor(viewer):
     for newest_on_top in (True, False):
         viewer.session.show(newest_on_top=newest_on_top)
         back, on = (Key.Key_Down, Key.Key_Up) if newest_on_top else (Key.Key_Up, Key.Key_Down)
@@ -73,10 +72,9 @@ def test_keys_look_back_in_the_direction_of_the_wheel_and_every_ping_comes_under
     viewer.run(True)
     press(viewer, Key.Key_Down)
     assert "pause the tow" in viewer.window.status.sentence.text(), "a tow that runs says how to look back"
-
-
-@pytest.mark.usefixtures("focused")
-def test_arrows_go_from_bin_to_bin_along_the_row_of_a_whole_and_a_zoomed_record(viewer):
+    # Arrows go from bin to bin along the row.
+    viewer.run(False)
+    press(viewer, Key.Key_Home, Modifier.ControlModifier)
     point(viewer, Mark(450, 0, 3))
     marks = [press(viewer, Key.Key_Right) for _ in range(8)]
     assert marks == [Mark(450, 0, near) for near in (2, 1, 0)] + [Mark(450, 1, far) for far in range(5)]
@@ -195,7 +193,13 @@ def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live
     assert mark_of(contact) == view._marks.cross
 
 
-def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
+def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(viewer, qtbot):
+    window = viewer.window
+    assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
+    window.pause.trigger()
+    assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
+    assert "Space" in window.pause.toolTip()
+    # The handle brings the fish abeam of the pipe.
     waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
     viewer.run(True)
     qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127)
@@ -213,6 +217,23 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(viewer, qtbot):
     shown = waterfall.top
     viewer.run(True)
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
+    # The wheel looks back only when the tow is paused.
+    viewer.tow.restart(500)
+    viewer.run(True)
+    waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest
+    viewer.run(False)
+    waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest - 40
+    # Sentences go when they are read.
+    window.status._fading.setInterval(30)
+    window.say("saved it")
+    qtbot.waitUntil(lambda: window.status.sentence.text() == "")
+    window.say("this scene cannot be simulated", lasting=True)
+    qtbot.wait(60)
+    assert window.status.sentence.text() == "this scene cannot be simulated"
+    viewer.run(True)
+    assert window.status.sentence.text() == ""
 
 
 def test_rows_below_ping_0_are_empty_old_pings_traced_again_and_the_scroll_bar_reaches_all(viewer, small, qtbot):
@@ -243,37 +264,11 @@ def test_rows_below_ping_0_are_empty_old_pings_traced_again_and_the_scroll_bar_r
     # Looking back traces the old pings again.
     first = picture_of(waterfall).copy()
     viewer.tow.restart(1000)
-    viewer.run(False)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.run, False)
     assert set(viewer.record.ping) == set(range(873, 1001))
-    viewer.look_back(1000 - 127)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.look_back, 1000 - 127)
     assert waterfall.top == 127
     assert (picture_of(waterfall) == first).all()
-
-
-def test_the_button_says_what_it_does_the_wheel_looks_back_and_sentences_go(viewer, window, qtbot):
-    assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
-    window.pause.trigger()
-    assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
-    assert "Space" in window.pause.toolTip()
-    # The wheel looks back only when the tow is paused.
-    viewer.tow.restart(500)
-    viewer.run(True)
-    viewer.window.waterfall.scrolled.emit(40)
-    assert viewer.tow.top == viewer.tow.newest
-    viewer.run(False)
-    viewer.window.waterfall.scrolled.emit(40)
-    assert viewer.tow.top == viewer.tow.newest - 40
-    # Sentences go when they are read.
-    viewer.window.status._fading.setInterval(30)
-    viewer.window.say("saved it")
-    qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "")
-    viewer.window.say("this scene cannot be simulated", lasting=True)
-    qtbot.wait(60)
-    assert viewer.window.status.sentence.text() == "this scene cannot be simulated"
-    viewer.run(True)
-    assert viewer.window.status.sentence.text() == ""
 
 
 def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front, choose, drag, drop, picture_of
+from controls import bring_to_front, choose, drag, drop, finish, picture_of
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
@@ -48,14 +48,11 @@ def viewer(open_viewer, small):
 
 
 def open_recording(viewer, path, qtbot):
-    viewer.recordings.open(str(path))
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    finish(viewer, qtbot, viewer.recordings.open, str(path))
     return viewer.recordings.recording
 
 
-def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is_reached_of(
-    viewer, folder, tmp_path, qtbot
-):
+def test_any_ping_of_a_recording_is_reached_and_a_broken_file_is_one_sentence(viewer, folder, tmp_path, qtbot):
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
@@ -87,9 +84,7 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording_that_any_ping_is
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
 
 
-def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navigation(
-    viewer, folder, qtbot, monkeypatch
-):
+def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(viewer, folder, qtbot, monkeypatch):
     for name in ("record.xtf", "record.nc"):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, name=name: (str(folder / name), ""))
         for way in (lambda name=name: drop(viewer.window, folder / name), viewer.window.open_recording.trigger):
@@ -108,12 +103,8 @@ def test_a_recording_is_opened_by_a_drop_and_by_the_menu_and_a_point_tells_navig
     ping = int(told["ping"].split()[0])
     assert abs(ping - mark.ping) <= 2
     altitude = recording.dataset["platform_altitude"].values[ping]
-    known = {
-        "ping": f"{ping} of {PINGS}",
-        "position": f"x {ping * STEP:.1f} m, y 0.0 m",
-        "altitude": f"{altitude:.2f} m",
-    }
-    known |= {"heading": "90.0°", "time": f"{ping / 10.0:.2f} s"}  # along +x is east
+    known = {"ping": f"{ping} of {PINGS}", "position": f"x {ping * STEP:.1f} m, y 0.0 m"}
+    known |= {"altitude": f"{altitude:.2f} m", "heading": "90.0°", "time": f"{ping / 10.0:.2f} s"}  # +x is east
     assert known.items() <= told.items()
     assert told["slant range"].endswith(" m, starboard")
     assert float(told["slant range"].split()[0]) == pytest.approx(200.5 * RANGE / BINS, abs=3 * RANGE / BINS)
@@ -178,17 +169,14 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert rows.pop("") == ("recorded", "simulated")
     # The recording is the record of the scene.
     assert rows == {name: (text, text) for name, text in expected.items()}
-    viewer.session.settle({"receiver.speckle": "rayleigh"})
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    finish(viewer, qtbot, viewer.session.settle, {"receiver.speckle": "rayleigh"})
     recorded, simulated = viewer.panels["comparison"].view.statistics.rows["variation"]
     assert recorded == expected["variation"]
     assert float(simulated.split()[0]) == pytest.approx(0.52, abs=0.06)
     assert viewer.recordings.recording is recording
 
 
-def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_narrow_window(
-    viewer, folder, qtbot, monkeypatch
-):
+def test_reading_shows_a_bar_the_last_file_wins_and_fits_a_narrow_window(viewer, folder, qtbot, monkeypatch):
     load, go_on = recording_player.load_recording, threading.Event()
 
     def load_slowly(path, frequency):
@@ -203,8 +191,7 @@ def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_n
     viewer.recordings.open(str(folder / "record.nc"))
     qtbot.waitUntil(lambda: viewer.recordings.recording is not None)
     assert viewer.recordings.recording.path.suffix == ".nc"
-    go_on.set()
-    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    finish(viewer, qtbot, go_on.set)
     assert viewer.recordings.recording.path.suffix == ".nc"
     assert viewer.window.record_a.waiting is None
     # In a narrow window the records take the room.
@@ -221,9 +208,7 @@ def test_reading_shows_a_bar_the_last_file_wins_and_records_take_the_room_of_a_n
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
-def test_a_recording_is_shown_beside_the_simulated_record_and_wiped_covers_its_left_at_the_same_scale(
-    viewer, folder, qtbot
-):
+def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_the_same_scale(viewer, folder, qtbot):
     panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
     beside = viewer.window.record_a
     assert not beside.isVisible()
@@ -297,11 +282,27 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer, qtbot)
     assert len(np.unique(picture_of(viewer.window.record_a))) > 100
 
 
-def test_a_scene_is_learned_as_a_job_and_opened(viewer, folder, tmp_path, qtbot, monkeypatch):
-    recording = open_recording(viewer, folder / "record.nc", qtbot)
-    named = tmp_path / "learned.toml"
+def test_a_scene_is_learned_unless_that_is_stopped_or_has_too_little_bed(viewer, folder, tmp_path, qtbot, monkeypatch):
+    named, path = tmp_path / "learned.toml", tmp_path / "short.nc"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
-    panel = viewer.panels["comparison"].view
+    panel, scene = viewer.panels["comparison"].view, viewer.session.scene
+    # A record with too little bed says so, and why it cannot be learned.
+    assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
+    open_recording(viewer, path, qtbot)
+    assert "too little bed" in panel.statistics.said
+    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
+    assert "pings" in viewer.window.status.sentence.text()
+    # One that is stopped leaves nothing.
+    recording = open_recording(viewer, folder / "record.nc", qtbot)
+    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
+    viewer.window.open_panel("jobs")
+    QTest.mouseClick(viewer.panels["jobs"].view.rows[-1].stop, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: not viewer.jobs.running)
+    assert viewer.jobs.jobs[-1].state is State.STOPPED
+    assert panel.learn.isEnabled()
+    assert viewer.session.scene is scene
+    assert list(tmp_path.iterdir()) == [path]
     QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     assert not panel.learn.isEnabled()
     assert viewer.window.record_a.waiting.what.startswith("learning a scene like ")
@@ -319,27 +320,3 @@ def test_a_scene_is_learned_as_a_job_and_opened(viewer, folder, tmp_path, qtbot,
     assert viewer.window.status.sentence.text() == job.sentence
     assert panel.learn.isEnabled()
     assert viewer.recordings.recording is recording
-
-
-def test_learning_that_is_stopped_or_has_too_little_bed_leaves_nothing(viewer, folder, tmp_path, qtbot, monkeypatch):
-    open_recording(viewer, folder / "record.nc", qtbot)
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
-    panel, scene = viewer.panels["comparison"].view, viewer.session.scene
-    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
-    viewer.window.open_panel("jobs")
-    QTest.mouseClick(viewer.panels["jobs"].view.rows[0].stop, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: not viewer.jobs.running)
-    assert viewer.jobs.jobs[-1].state is State.STOPPED
-    assert panel.learn.isEnabled()
-    assert viewer.session.scene is scene
-    assert list(tmp_path.iterdir()) == []
-    # A record with too little bed says so, and why it cannot be learned.
-    path = tmp_path / "short.nc"
-    assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
-    open_recording(viewer, path, qtbot)
-    assert "too little bed" in panel.statistics.said
-    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
-    assert "pings" in viewer.window.status.sentence.text()
-    assert viewer.session.scene is scene
-    assert not (tmp_path / "learned.toml").exists()

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from controls import answer_questions
+from controls import answer_questions, finish
 from PIL import Image
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from insonify import simulate
 from insonify.io.records import RECORDS, read_record
-from insonify.scene import edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.state.session import Session
 
 Buttons = QMessageBox.StandardButton
@@ -24,7 +24,7 @@ def name(monkeypatch):
     return set_name
 
 
-def test_a_saved_scene_is_the_scene(viewer, tmp_path, name):
+def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_path, name, monkeypatch):
     viewer.session.settle({"track.altitude": 7.0})
     assert viewer.window.isWindowModified()
     for typed, written in (("saved.toml", "saved.toml"), ("my.scene", "my.scene.toml")):
@@ -35,14 +35,12 @@ def test_a_saved_scene_is_the_scene(viewer, tmp_path, name):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["my.scene.toml", "saved.toml"]
     viewer.session.undo()
     assert not viewer.window.isWindowModified(), "the scene as it was opened"
-    viewer.session.settle({"track.altitude": 6.0})
+    viewer.session.settle({"track.altitude": 8.0})
     assert viewer.window.isWindowModified()
-
-
-def test_a_scene_with_a_file_is_saved_there(open_viewer, small, tmp_path, name):
-    viewer, file = open_viewer(small), tmp_path / "mine.toml"
+    # A scene without a file is asked for one, and saved there from then on.
+    viewer.open(edit(viewer.session.scene, {"seed": 5}))
+    file = tmp_path / "mine.toml"
     name(file)
-    viewer.session.settle({"track.altitude": 7.0})
     viewer.window.save.scene.trigger()
     assert "mine.toml" in viewer.window.windowTitle()
     assert viewer.window.settings.recent[0] == str(file.resolve())
@@ -56,13 +54,8 @@ def test_a_scene_with_a_file_is_saved_there(open_viewer, small, tmp_path, name):
     viewer.window.save.scene.trigger()
     assert file.read_text().startswith("# why"), "comments are not lost without a question"
     assert viewer.session.unsaved
-    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
-
-
-def test_a_scene_that_cannot_be_written_stays_unsaved_and_the_picture_is_a_file_of_its_own(
-    viewer, tmp_path, name, monkeypatch
-):
-    viewer.session.settle({"track.altitude": 7.0})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "my.scene.toml", "saved.toml"]
+    # One that cannot be written stays unsaved, and the picture is a file of its own.
     name(tmp_path / "nowhere" / "saved.toml")
     viewer.window.save.scene.trigger()
     assert "check that the folder can be written to" in viewer.window.status.sentence.text()
@@ -110,10 +103,21 @@ def check_written(viewer, path, qtbot):
         np.testing.assert_array_equal(record.intensity, simulate(scene).intensity)
 
 
-def test_another_scene_and_closing_ask_about_changes(viewer, small, qtbot, tmp_path, name, monkeypatch):
-    menu = viewer.window.scenes
+def test_opening_a_scene_by_the_menu_and_closing_ask_about_changes(viewer, small, qtbot, tmp_path, name, monkeypatch):
+    (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
+    viewer.files.open_scene(str(tmp_path / "bad.toml"))
+    assert "did you mean 'range'" in viewer.window.status.sentence.text()
+    assert viewer.session.scene == small
+    menu, wanted = viewer.window.scenes, load_scene("figure-4b")
     menu.fill()
-    other = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
+    *plain, last = menu.menu().actions()
+    names = [action.text().partition("\t")[0] for action in plain if action.data()]
+    failures = [action.text().partition("\t")[0] for action in last.menu().actions()]
+    assert last.text() == "Where it breaks"
+    assert names == [name for name in bundled_scenes() if not name.startswith("breaks-")]
+    assert failures == [name for name in bundled_scenes() if name.startswith("breaks-")]
+    other = next(action for action in plain if action.text().startswith("figure-4b"))
+    assert wanted.description.split()[0] in other.toolTip()
     viewer.session.settle({"track.altitude": 7.0})
     changed = viewer.session.scene
     answers = Buttons.Cancel, Buttons.Discard, Buttons.Cancel, Buttons.Save
@@ -121,12 +125,12 @@ def test_another_scene_and_closing_ask_about_changes(viewer, small, qtbot, tmp_p
     menu.menu().triggered.emit(other)
     assert viewer.session.scene == changed
     menu.menu().triggered.emit(other)
-    assert viewer.session.scene == load_scene("figure-4b")
+    assert viewer.session.scene == wanted
+    assert viewer.panels["parameters"].view.about.words == wanted.about
     assert not viewer.window.isWindowModified()
     assert len(asked) == 2
-    viewer.session.undo()
+    finish(viewer, qtbot, viewer.session.undo)
     assert viewer.window.isWindowModified(), "the changes are there again"
-    qtbot.waitUntil(lambda: viewer.complete)
     # So does closing.
     assert not viewer.window.close()
     assert viewer.window.isVisible()

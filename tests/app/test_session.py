@@ -58,24 +58,21 @@ def test_every_wanted_parameter_has_a_slider_and_an_open_one_shows_the_value_tha
 def test_every_parameter_can_be_set_to_what_it_shows(name):
     scene = load_scene(name)
     for path, parameter in parameters(scene).items():
-        session = Session(scene)
         value = int(parameter.value) if isinstance(parameter, NumberField) and parameter.integer else parameter.value
-        assert session.settle({path: value}), path
+        assert Session(scene).settle({path: value}), path
 
 
 def test_every_choice_can_be_made(default):
     for path, parameter in parameters(default).items():
         if isinstance(parameter, ChoiceField) and path != "seabed.relief.kind":
-            for option in parameter.options:
-                if option in ("recorded", "image", "backscatter", "cast"):
-                    continue  # which need a file
+            for option in set(parameter.options) - {"recorded", "image", "backscatter", "cast"}:  # which need a file
                 session = Session(default)
                 sentences = heard(session)
                 assert session.settle({path: option}), sentences
                 assert parameters(session.scene)[path].value == option
 
 
-def test_a_sum_of_motions_has_every_swing(session):
+def test_a_sum_of_motions_has_every_swing_and_numbers_parts_of_one_kind(session):
     session.settle({"track.motion.kind": "heave"})
     session.settle({"track.motion.amplitude": 0.7})
     session.settle({"track.motion.kind": "sum"})
@@ -84,6 +81,10 @@ def test_a_sum_of_motions_has_every_swing(session):
     assert found["track.motion.of.0.amplitude"].value == 0.7
     swings = {found[f"track.motion.of.{k}.period"].label.split()[0] for k in range(6)}
     assert swings == {"surge", "sway", "heave", "yaw", "pitch", "roll"}
+    session.settle({"track.motion.of": [{"kind": "heave"}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]})
+    found = parameters(session.scene)
+    labels = [found[f"track.motion.of.{part}.amplitude"].label for part in range(3)]
+    assert labels == ["heave 1 amplitude", "heave 2 amplitude", "roll amplitude"]
     session.settle({"track.motion.kind": "straight"})
     assert session.scene.track.motion.kind == "straight"
 
@@ -136,22 +137,18 @@ def test_light_leaves_the_water_out_and_the_gain_makes_its_absorption_good(defau
     assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
     session = Session(edit(default, {"receiver.reverberation": "volume"}))
     assert session.settle({"sonar.law": "light"})
-    assert session.scene.sonar.law == "light"
-    assert session.scene.receiver.reverberation.kind == "none"
+    assert (session.scene.sonar.law, session.scene.receiver.reverberation.kind) == ("light", "none")
 
 
 def test_sliders_end_where_the_scene_does(default):
     found = parameters(default)
-    assert found["sonar.ping_rate"].slider == (0.5, 15.0)
-    assert found["track.altitude"].slider == (2.0, 30.0)
+    assert (found["sonar.ping_rate"].slider, found["track.altitude"].slider) == ((0.5, 15.0), (2.0, 30.0))
     assert found["targets.0.gap.1.0"].slider == pytest.approx((-27.78, -6.22))
+    bounded_by_others = ("seabed.depth", "seabed.spacing", "seabed.relief.period", "seabed.relief.peaks.0.0")
     for path, parameter in found.items():
-        if isinstance(parameter, NumberField) and parameter.slider and path not in ("seabed.depth", "seabed.spacing"):
+        if isinstance(parameter, NumberField) and parameter.slider and path not in bounded_by_others:
             for end in parameter.slider:
-                if path not in ("seabed.relief.period", "seabed.relief.peaks.0.0"):
-                    value = int(end) if parameter.integer else end
-                    session = Session(default)
-                    assert session.settle({path: value}), (path, end)
+                assert Session(default).settle({path: int(end) if parameter.integer else end}), (path, end)
 
 
 def test_drag_starts_from_what_is_settled(session, default):
@@ -167,12 +164,11 @@ def test_drag_starts_from_what_is_settled(session, default):
     assert not session.history.undoable
 
 
-def test_contacts_and_a_look_outlast_a_refused_scene(session, default):
+def test_contacts_and_a_look_outlast_a_refused_scene_and_do_not_end_a_drag_and_the_history_has_an_end(session, default):
     contacts = ContactList(session)
-    fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
-    contacts.add(fish)
+    contacts.add(IN_WATER)
     session.settle({"seed": 5})
-    contacts.add(replace(fish, name="rock"))
+    contacts.add(replace(IN_WATER, name="rock"))
     session.take_back()
     assert session.scene == default
     assert [each.name for each in contacts.all] == ["fish", "rock"]
@@ -182,25 +178,22 @@ def test_contacts_and_a_look_outlast_a_refused_scene(session, default):
     session.show(gain=3.0)
     session.take_back()
     assert (session.scene, session.display.gain, session.history.undoable[0]) == (default, 3.0, "gain")
-
-
-def test_contacts_do_not_end_a_drag_and_the_history_has_an_end(session, default):
-    contacts = ContactList(session)
-    fish = Contact("fish", "", default.title, 3, "port", 7, 2.0)
+    # A contact does not end a drag.
+    session.undo(3)
     session.drag({"track.altitude": 7.0})
-    contacts.add(fish)
+    contacts.add(IN_WATER)
     assert session.scene.track.altitude == 7.0
     session.settle()
     assert session.history.undoable == ("altitude", "fish marked")
     session.undo()
     assert (session.scene, len(contacts)) == (default, 1)
     for number in range(UNDO_DEPTH + 19):
-        contacts.add(replace(fish, name=str(number + 1)))
+        contacts.add(replace(IN_WATER, name=str(number + 1)))
     session.undo(10 * UNDO_DEPTH)
     assert len(contacts) == 20
 
 
-def test_another_look_gives_up_nothing_that_can_be_redone(session):
+def test_another_look_gives_up_nothing_that_can_be_redone_and_a_look_and_back_is_no_step(session, default):
     session.settle({"track.altitude": 7.0})
     session.show(palette="grey")
     session.undo(2)
@@ -209,13 +202,11 @@ def test_another_look_gives_up_nothing_that_can_be_redone(session):
     session.redo(2)
     assert session.scene.track.altitude == 7.0
     assert (session.display.palette, session.display.ground_range) == ("grey", True)
-
-
-def test_a_look_and_back_and_an_edit_that_changes_nothing_are_no_steps(session, default):
+    session.undo(2)
     session.settle({"track.altitude": 7.0})
     session.settle({"seed": default.seed})
     assert session.history.undoable == ("altitude",)
-    for on in (True, False):
+    for on in (False, True):
         session.show(ground_range=on)
     assert session.history.undoable == ("altitude",)
     session.drag({"track.altitude": 8.0})
@@ -290,7 +281,7 @@ ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.445
 IN_WATER = Contact("fish", "", "line.xtf", 3, "starboard", 12, 2.5)
 
 
-def test_geojson_holds_everything(tmp_path):
+def test_geojson_holds_all_of_contacts_and_a_table_all_but_snapshots_and_formulas_of_a_spreadsheet(tmp_path):
     path = tmp_path / "found.geojson"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, ON_EARTH, IN_WATER)
@@ -299,14 +290,6 @@ def test_geojson_holds_everything(tmp_path):
     point = {"type": "Point", "coordinates": [-68.82834, 48.44586]}
     assert [each["geometry"] for each in collection["features"]] == [None, point, None]
     assert collection["features"][1]["properties"]["name"] == "Anker ⚓"
-
-
-def read_rows(path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def test_a_table_holds_everything_but_the_snapshots_and_no_text_that_a_spreadsheet_takes_as_a_formula(tmp_path):
     path = tmp_path / "found.csv"
     write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
     assert read_contacts(path) == (PLAIN, replace(ON_EARTH, snapshot=b""), IN_WATER)
@@ -315,6 +298,11 @@ def test_a_table_holds_everything_but_the_snapshots_and_no_text_that_a_spreadshe
     write_contacts(path, contacts)
     assert all(row["name"].startswith("'") for row in read_rows(path))
     assert list(read_contacts(path)) == contacts
+
+
+def read_rows(path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 @pytest.mark.parametrize(

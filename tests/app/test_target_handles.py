@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from controls import drag, finish
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
@@ -64,36 +64,17 @@ def test_a_drag_moves_turns_resizes_or_thickens_and_keeps_the_length(target, act
     assert changes == {f"targets.0.{name}": value for name, value in edited.items()}
 
 
-def test_a_pipe_is_thickened_in_the_record_and_in_three_dimensions_and_a_mesh_resized(open_viewer, small, qtbot):
-    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
-    scene = edit(small, {"targets": [pipe], "sonar.bins": 400})
-    viewer = open_viewer(scene, solid=True)
+def drag_handle(viewer, view, action: str, times: float = 2.0):
+    """Take a handle of the only target, in the record or in the 3-D view, to so many times its way from the middle."""
     viewer.targets.handles.choose(0)
-    record = viewer.window.waterfall
-    handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("thicken", "move"))
-    assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
-    drag(record, handle, handle + (handle - centre))
-    assert viewer.session.history.undoable == ("pipe 1 radius",)
-    thick = viewer.session.scene.targets[0]
-    assert 0.8 < thick.radius < 1.4
-    assert thick.length == 6.0
-    viewer.session.undo()
-    assert viewer.session.scene == scene
-    qtbot.waitUntil(lambda: viewer.complete)
-    drag_outwards(viewer, "thicken")
-    assert viewer.session.history.undoable == ("pipe 1 radius",)
-    assert viewer.session.scene.targets[0].radius > 0.6
-    # A mesh is resized in three dimensions.
-    mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
-    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
-    drag_outwards(viewer, "resize")
-    assert viewer.session.history.undoable[0] == "mesh 1 resized"
-    assert 0.25 < viewer.session.scene.targets[0].scale < 0.8
-    viewer.session.undo()
-    assert viewer.session.scene.targets[0].scale == 0.2
+    viewer.seabed.draw_now()
+    handle, centre = (QPointF(view.handles.place(number_of(viewer, each))).toPoint() for each in (action, "move"))
+    in_record = view is viewer.window.waterfall
+    assert not in_record or (handle - centre).manhattanLength() > 2 * 9, "each is taken by itself"
+    drag(view if in_record else view._canvas.widget, handle, centre + (handle - centre) * times)
 
 
-def test_a_box_is_dragged_in_three_dimensions_and_raised_in_the_record_as_well(open_viewer, one_box, qtbot):
+def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(open_viewer, small, one_box, qtbot):
     """The handle that raises stands opposite the one that thickens; length and width stay as they are."""
     viewer = open_viewer(one_box, solid=True)
     session, view, seabed, record = viewer.session, viewer.seabed.view, viewer.seabed, viewer.window.waterfall
@@ -109,37 +90,35 @@ def test_a_box_is_dragged_in_three_dimensions_and_raised_in_the_record_as_well(o
     place = view.handles.place(number_of(viewer, "move")).toPoint()
     assert (place - start - QPoint(25, 10)).manhattanLength() <= 12, "the target follows the mouse"
     assert tuple(view._canvas.plotter.camera.position) == position, "the view does not turn meanwhile"
-    session.undo()
-    qtbot.waitUntil(lambda: viewer.complete)
-    handle, centre = (record.handles.place(number_of(viewer, action)) for action in ("raise", "move"))
-    thicken = record.handles.place(number_of(viewer, "thicken"))
-    assert (handle - centre).manhattanLength() > 2 * 9, "each is held for itself"
+    handle, centre, thicken = (record.handles.place(number_of(viewer, each)) for each in ("raise", "move", "thicken"))
     assert (handle - centre).x() * (thicken - centre).x() < 0
     assert "higher" in record.handles.hover(handle)
-    drag(record, handle, handle + (handle - centre))
-    assert viewer.session.history.undoable == ("box 1 height",)
-    length, width, height = viewer.session.scene.targets[0].size
-    assert (length, width) == tuple(BOX["size"][:2])
-    assert 2.0 < height < 5.0
-    viewer.session.undo()
-    assert viewer.session.scene == one_box
-    qtbot.waitUntil(lambda: viewer.complete)
-    seabed.draw_now()
-    handle, centre = (view.handles.place(number_of(viewer, action)).toPoint() for action in ("raise", "move"))
-    drag(view._canvas.widget, handle, centre + (handle - centre) / 2)
-    assert viewer.session.history.undoable == ("box 1 height",)
-    length, width, height = viewer.session.scene.targets[0].size
-    assert (length, width) == tuple(BOX["size"][:2])
-    assert height < 1.2
-
-
-def drag_outwards(viewer, action: str):
-    """Take a handle of the only target in the 3-D view to twice its distance from the middle."""
-    viewer.targets.handles.choose(0)
-    viewer.seabed.draw_now()
-    view = viewer.seabed.view
-    handle, centre = (view.handles.place(number_of(viewer, each)).toPoint() for each in (action, "move"))
-    drag(view._canvas.widget, handle, handle + (handle - centre))
+    for where, times, lowest, highest in ((record, 2.0, 2.0, 5.0), (view, 0.5, 0.0, 1.2)):
+        finish(viewer, qtbot, session.undo)
+        assert session.scene == one_box
+        drag_handle(viewer, where, "raise", times)
+        assert session.history.undoable == ("box 1 height",)
+        length, width, height = session.scene.targets[0].size
+        assert (length, width) == tuple(BOX["size"][:2])
+        assert lowest < height < highest
+    # A pipe is thickened, and a mesh resized.
+    pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 6.0, "heading": 0.0}
+    scene = edit(small, {"targets": [pipe], "sonar.bins": 400})
+    finish(viewer, qtbot, viewer.open, scene)
+    for where, lowest, highest in ((record, 0.8, 1.4), (view, 0.6, math.inf)):
+        drag_handle(viewer, where, "thicken")
+        assert session.history.undoable[0] == "pipe 1 radius"
+        assert lowest < session.scene.targets[0].radius < highest
+        assert session.scene.targets[0].length == 6.0
+        finish(viewer, qtbot, session.undo)
+        assert session.scene == scene
+    mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
+    finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
+    drag_handle(viewer, view, "resize")
+    assert session.history.undoable[0] == "mesh 1 resized"
+    assert 0.25 < session.scene.targets[0].scale < 0.8
+    session.undo()
+    assert session.scene.targets[0].scale == 0.2
 
 
 @pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere"])
@@ -172,9 +151,7 @@ def test_a_target_is_found_by_a_place_within_it():
     assert target_at(scene, 10.0, -20.0) is None
 
 
-def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_the_last_scene_is_not(
-    open_viewer, small, one_box, qtbot
-):
+def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(open_viewer, small, one_box, qtbot):
     viewer = open_viewer(one_box)
     record = viewer.window.waterfall
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
@@ -211,8 +188,7 @@ def test_a_click_chooses_a_target_that_is_turned_resized_and_dragged_and_one_of_
     assert viewer.session.history.undoable[0] == "box 1 turned"
     assert viewer.session.scene.targets[0].heading == pytest.approx(150.0, abs=12.0)  # mirrored at the line athwart
     qtbot.waitUntil(lambda: viewer.complete)
-    resize = record.handles.place(number_of(viewer, "resize"))
-    drag(record, resize, resize + (resize - centre))
+    drag_handle(viewer, record, "resize")
     assert viewer.session.history.undoable[0] == "box 1 resized"
     assert viewer.session.scene.targets[0].size[0] > 5.5
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))

@@ -123,19 +123,14 @@ def _distance(answer, planned) -> float:
     return float(np.abs(found - wanted)[:, far].sum() / wanted[:, far].sum())
 
 
-@pytest.mark.parametrize(
-    ("name", "path"),
-    [
-        ("default", "seabed.material.diffuse"),
-        ("default", "seabed.relief.beta"),
-        ("default", "track.altitude"),
-        ("default", "sonar.beam.width"),
-        ("figure-4a", "seabed.relief.beta"),
-        ("figure-4a", "track.altitude"),
-        ("endless", "seabed.relief.of.0.rms"),
-        ("endless", "sonar.beam.width"),
-    ],
-)
+SLIDERS = {
+    "default": ("seabed.material.diffuse", "seabed.relief.beta", "track.altitude", "sonar.beam.width"),
+    "figure-4a": ("seabed.relief.beta", "track.altitude"),
+    "endless": ("seabed.relief.of.0.rms", "sonar.beam.width"),
+}
+
+
+@pytest.mark.parametrize(("name", "path"), [(name, path) for name, paths in SLIDERS.items() for path in paths])
 def test_slider_at_60_hz(open_large, qtbot, name, path):
     """A slider that moves 60 times a second: delay of the pictures, and gaps of the main thread."""
     viewer = open_large(load_scene(name))

@@ -5,8 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from controls import picture_of
-from numpy.typing import NDArray
+from controls import finish, picture_of
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
@@ -31,7 +30,7 @@ def look(watch: WaitingWatch, now: float, missing: int, **given) -> Waiting | No
     return watch.look(now, missing=missing, **state | given)
 
 
-def test_a_wait_is_told_after_a_moment_with_the_share_done_of_the_present_edit():
+def test_a_wait_is_told_after_a_moment_unless_a_record_follows_a_slider_or_a_tow_misses_a_few_pings():
     watch = WaitingWatch()
     assert look(watch, 0.0, 512) is None
     assert look(watch, DELAY / 2, 512) is None
@@ -41,9 +40,6 @@ def test_a_wait_is_told_after_a_moment_with_the_share_done_of_the_present_edit()
     assert look(watch, 2.0, 512) is None, "the next wait begins anew"
     assert look(watch, 3.0, 128) == Waiting("simulating pings, 384 of 512", 0.75)
     assert look(watch, 3.1, 512, number=2) == Waiting("simulating pings, 0 of 512", 0.0), "and the wait goes on"
-
-
-def test_a_record_that_follows_a_slider_or_a_tow_that_misses_a_few_pings_is_not_waited_for():
     watch = WaitingWatch()
     moves = range(40)
     assert [look(watch, 0.1 * k, 512, number=k + 1, arrived=k) for k in moves] == [None] * len(moves)
@@ -54,39 +50,38 @@ def test_a_record_that_follows_a_slider_or_a_tow_that_misses_a_few_pings_is_not_
     assert look(watch, 4.0, FEW + 1, running=True) is not None
 
 
-def test_dimmed_colours_are_darker():
-    assert dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32)).tolist() == [0xFF000000, 0xFF5E3003]
+def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new_ones_arrive(open_viewer, small, qtbot):
+    going = {small.seed: threading.Event(), 5: threading.Event()}
 
-
-def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer, small, qtbot):
-    going = threading.Event()
-
-    class Slow(StandIn):
+    class Awaited(StandIn):
         def intensity(self, pings):
-            if self.scene.seed == 5:
-                going.wait(120.0)
+            going[self.scene.seed].wait(120.0)
             return super().intensity(pings)
 
-    viewer = open_viewer(small, prepare=Slow)
-    waterfall = viewer.window.waterfall
+    viewer = open_viewer(small, prepare=Awaited, until=lambda viewer: viewer.seabed.complete)
+    waterfall, parameters = viewer.window.waterfall, viewer.panels["parameters"].view
+    qtbot.waitUntil(lambda: waterfall.waiting is not None)
+    assert not parameters.isEnabled()
+    assert (viewer.record.ping < 0).all()
+    going[small.seed].set()
+    qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
+    assert parameters.isEnabled()
     bright = picture_of(waterfall).copy()
-    assert waterfall.waiting is None
     viewer.session.settle({"seed": 5})
     assert (picture_of(waterfall) == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
     qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
     assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
     assert (picture_of(waterfall) == dimmed(bright)).all()
+    assert dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32)).tolist() == [0xFF000000, 0xFF5E3003], "darker"
     plain = waterfall.grab().toImage().pixelColor(200, 26)
-    going.set()
+    going[5].set()
     qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
     assert (picture_of(waterfall) == bright).all()
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
 
 
-def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record_and_one_that_cannot_be_drawn_is_told(
-    open_viewer, small, qtbot, monkeypatch
-):
+def test_the_bed_of_the_last_scene_is_faded_and_one_that_fails_is_told(open_viewer, small, qtbot, monkeypatch):
     going = threading.Event()
     draw = pv_meshes.bed_patch
 
@@ -110,8 +105,7 @@ def test_the_bed_of_the_last_scene_is_faded_beside_a_newer_record_and_one_that_c
     qtbot.waitUntil(lambda: not viewer._missing().size, timeout=120000)
     assert not viewer.complete
     assert strongest_contrast() < 0.7 * usual
-    going.set()
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, going.set)
     assert strongest_contrast() > 0.7 * usual
 
     # A bed that cannot be drawn is told with details.
@@ -181,43 +175,34 @@ def test_a_new_bed_is_shown_while_its_first_ping_is_awaited_and_the_bar_tells_wh
     assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
-class Slow(StandIn):
-    """Counts the pings that it traces, and takes its time."""
-
-    traced = 0
-
-    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        time.sleep(0.02 * len(pings))
-        Slow.traced += len(pings)
-        return super().intensity(pings)
-
-
 @pytest.mark.parametrize("waits", [False, True])
 def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small, waits):
+    traced = []
+
+    class Slow(StandIn):
+        def intensity(self, pings):
+            time.sleep(0.02 * len(pings))
+            traced.extend(pings)
+            return super().intensity(pings)
+
     simulator = Simulator(prepare=Slow)
     request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
-    Slow.traced = 0
     with simulator._lane.changed:  # so that the worker lets it wait
         if waits:
             simulator.ask(request)
         answer = next(simulator._trace(request))
-        traced = Slow.traced
+        count = len(traced)
     simulator.close()
     assert len(answer.pings) == len(answer.amplitude)
-    assert np.count_nonzero(~answer.between) == traced
+    assert np.count_nonzero(~answer.between) == count
     assert (len(answer.pings) < 40) == waits
     assert answer.pings.tolist() == list(range(len(answer.pings))), "the most urgent ones"
 
 
-def test_a_picture_that_waited_for_its_ground_has_more_of_its_pings(qapp):
+def test_pings_between_traced_ones_are_interpolated_then_traced_and_fewer_when_the_picture_waited_for_its_ground(small):
     simulator = Simulator(prepare=StandIn)
     simulator._cost = 8e-4
     assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.48, 1.0)] == [8, 8, 2, 1]
-    simulator.close()
-
-
-def test_pings_between_traced_ones_are_interpolated_and_then_traced(small):
-    simulator = Simulator(prepare=StandIn)
     simulator._cost = 1.0  # as if a ping took a second
     pings = np.arange(39, -1, -1, dtype=np.int64)
     answers = list(simulator._trace(PingRequest(3, small, Modelling(), pings, fine=False)))
@@ -277,6 +262,5 @@ def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, ke
     viewer.session.settle({"track.altitude": 12.0})
     qtbot.waitUntil(lambda: waterfall.waiting is not None and (picture_of(waterfall) != bright).mean() > 0.5)
     assert "example" not in waterfall.waiting.what
-    kernels.set()
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, kernels.set)
     assert viewer._answer.simulation.scene.track.altitude == 12.0

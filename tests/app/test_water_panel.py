@@ -17,21 +17,15 @@ from insonify_viewer.state.session import Session
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 
 
-@pytest.fixture
-def layered(small):
-    return edit(small, {"water": PROFILE})
-
-
 def colours(widget) -> int:
     """Number of colours in a picture of the widget."""
     return np.unique(colours_of(widget.grab().toImage())[::3, ::3]).size
 
 
-def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(open_viewer, small, layered, qtbot):
-    viewer = open_viewer(small)
+def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, small, qtbot, tmp_path, monkeypatch):
+    viewer, layered = open_viewer(small), edit(small, {"water": PROFILE})
     assert not viewer.panels["water"].view.isVisible()
-    viewer.window._buttons["water"].trigger()
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, viewer.window._buttons["water"].trigger)
     assert viewer.panels["water"].complete
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
     viewer.window._buttons["water"].trigger()
@@ -43,6 +37,27 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(ope
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.settle({"water.depth.1": 9.0})
     assert not viewer.panels["water"].view.isVisible()
+    # A cast is asked for.
+    finish(viewer, qtbot, viewer.open, small)
+    path = tmp_path / "cast.csv"
+    path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
+    settled = viewer.panels["parameters"].view.settled
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
+    settled.emit("water.kind", "cast")
+    assert viewer.session.scene == small
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    finish(viewer, qtbot, settled.emit, "water.kind", "cast")
+    assert viewer.session.scene.water.path == str(path)
+    assert viewer.panels["water"].view.isVisible()
+    # Columns of water have no sliders.
+    viewer.open(layered)
+    for kind in ("profile", "hydrography", "section", "uniform"):
+        settled.emit("water.kind", kind)
+        assert viewer.session.scene.water.kind == kind
+        viewer.panels["parameters"].view.row("water.reference_speed")
+        with pytest.raises(StopIteration):
+            viewer.panels["parameters"].view.row("water.depth.0")
+    viewer.panels["parameters"].view.row("water.sound_speed")
 
 
 def handle(view) -> QPoint:
@@ -51,7 +66,8 @@ def handle(view) -> QPoint:
     return view.scales().of_speed(speed, depth).toPoint()
 
 
-def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, layered, qtbot):
+def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, small, qtbot):
+    layered = edit(small, {"water": PROFILE})
     viewer = open_viewer(layered)
     panel, view = viewer.panels["water"], viewer.panels["water"].view
     activate(viewer.window, qtbot)
@@ -84,9 +100,8 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     viewer.window.waterfall.setFocus()
     assert len(viewer.session.history.undoable) == len(undoable) + 1
     # A key asks for the rays to a point of the water.
-    viewer.session.undo()
+    finish(viewer, qtbot, viewer.session.undo)
     assert viewer.session.scene == layered
-    qtbot.waitUntil(lambda: viewer.complete)
     view.setFocus(Qt.FocusReason.BacktabFocusReason)
     plain = view.grab().toImage()
     QTest.keyClick(view, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
@@ -108,16 +123,14 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     assert water.depth[1] > 10.3
     assert water.depth[0::2] == (0.0, 20.0)
     qtbot.waitUntil(lambda: viewer.complete)
-    viewer.session.undo()
+    finish(viewer, qtbot, viewer.session.undo)
     assert viewer.session.scene == layered
-    qtbot.waitUntil(lambda: viewer.complete)
     assert (handle(view) - start).manhattanLength() <= 1
-    view.point_dragged.emit(1, 29.0, 1800.0)
-    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0), "it never passes its neighbours"
-    assert viewer.session.scene.water.sound_speed[1] == 1700.0
-    view.point_dragged.emit(1, -5.0, 1000.0)
-    assert viewer.session.scene.water.depth[1] == 0.1
-    assert viewer.session.scene.water.sound_speed[1] == 1300.0
+    for dragged, kept in (((29.0, 1800.0), (19.9, 1700.0)), ((-5.0, 1000.0), (0.1, 1300.0))):
+        view.point_dragged.emit(1, *dragged)
+        water = viewer.session.scene.water
+        assert (water.depth[0::2], water.depth[3]) == ((0.0, 20.0), 30.0), "it never passes its neighbours"
+        assert (water.depth[1], water.sound_speed[1]) == kept
     # A click into the water asks for the rays to it.
     finish(viewer, qtbot, viewer.open, layered)
     shown = []
@@ -130,31 +143,6 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     assert viewer.session.scene == layered
 
 
-def test_a_cast_is_asked_for_and_columns_of_water_have_no_sliders(
-    open_viewer, small, layered, qtbot, tmp_path, monkeypatch
-):
-    path = tmp_path / "cast.csv"
-    path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
-    viewer = open_viewer(small)
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
-    viewer.panels["parameters"].view.settled.emit("water.kind", "cast")
-    assert viewer.session.scene == small
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
-    viewer.panels["parameters"].view.settled.emit("water.kind", "cast")
-    assert viewer.session.scene.water.path == str(path)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.panels["water"].view.isVisible()
-    # Columns of water have no sliders.
-    viewer.open(layered)
-    for kind in ("profile", "hydrography", "section", "uniform"):
-        viewer.panels["parameters"].view.settled.emit("water.kind", kind)
-        assert viewer.session.scene.water.kind == kind
-        viewer.panels["parameters"].view.row("water.reference_speed")
-        with pytest.raises(StopIteration):
-            viewer.panels["parameters"].view.row("water.depth.0")
-    viewer.panels["parameters"].view.row("water.sound_speed")
-
-
 def test_slower_water_lowers_the_ping_rate(small):
     session = Session(edit(small, {"water": PROFILE, "sonar.ping_rate": 15.0}))
     assert session.settle({"water.sound_speed": [1400.0] * 4})
@@ -163,34 +151,16 @@ def test_slower_water_lowers_the_ping_rate(small):
     assert session.scene.sonar.ping_rate == 14.0
 
 
-@pytest.fixture
-def scene():
-    return edit(load_scene("raw-record"), {"track.pings": 32, "seabed.relief": "flat", "targets": []})
-
-
-@pytest.fixture
-def viewer(open_viewer, scene, qtbot):
-    """A viewer whose panel of the sonar equation is open."""
-    opened = open_viewer(scene, prepare=None)
-    assert opened.panels["budget"]._solved is None, "a closed panel solves nothing"
-    opened.window.open_panel("budget")
-    wait(opened, qtbot)
-    return opened
-
-
-def wait(viewer, qtbot):
-    qtbot.waitUntil(lambda: viewer.panels["budget"].complete, timeout=240000)
-
-
 def groups(viewer):
     return {group.name: group for group in viewer.panels["budget"].view.terms.groups}
 
 
-def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_or_the_cursor_and_follows_the_scene(
-    viewer, scene, qtbot
-):
-    solved, _ = solve_sonar_equation(scene)
-    k = scene.sonar.bins // 2
+def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_and_follow_the_scene(open_viewer, qtbot):
+    scene = edit(load_scene("raw-record"), {"track.pings": 32, "seabed.relief": "flat", "targets": []})
+    viewer = open_viewer(scene, prepare=None)
+    (solved, _), k, panel = solve_sonar_equation(scene), scene.sonar.bins // 2, viewer.panels["budget"]
+    assert panel._solved is None, "a closed panel solves nothing"
+    finish(viewer, qtbot, viewer.window.open_panel, "budget")
     found = groups(viewer)
     assert found["bed"].level == pytest.approx(solved.bed.decibels[k])
     assert dict(found["bed"].rows) == pytest.approx({name: float(term[k]) for name, term in solved.bed.terms.items()})
@@ -198,12 +168,10 @@ def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_or_the_curso
         assert found[level.name].level == pytest.approx(level.decibels[k])
     over = dict(found[COMPARED].rows)["bed over noise"]
     assert over == pytest.approx(solved.bed.decibels[k] - solved.disturbance[k])
-    text = viewer.panels["budget"].view.terms.toPlainText()
-    assert signed(solved.bed.decibels[k]) in text
-    assert "the target is above it up to" in viewer.panels["budget"].view.sentence.text()
-    assert "Medium sand: " in viewer.panels["budget"].view.model.text()
+    assert signed(solved.bed.decibels[k]) in panel.view.terms.toPlainText()
+    assert "the target is above it up to" in panel.view.sentence.text()
+    assert "Medium sand: " in panel.view.model.text()
     # The cursor in the record and in the curves chooses the range.
-    panel = viewer.panels["budget"]
     panel.point_marked(MarkedPoint(Mark(0, 0, 800), 40.0, None, None, 1.0))
     assert groups(viewer)["bed"].level == pytest.approx(solved.bed.decibels[800])
     assert "At 40.0 m the bed stands" in panel.view.sentence.text()
@@ -224,20 +192,15 @@ def test_it_lists_the_terms_of_the_sonar_equation_at_half_the_range_or_the_curso
     assert np.unique(colours_of(curves.grab().toImage())[20]).size == 1
     # It follows the scene and the target, and has no levels of light.
     before = groups(viewer)
-    viewer.panels["budget"].view._target.setValue(-5.0)
-    wait(viewer, qtbot)
+    finish(viewer, qtbot, panel.view._target.setValue, -5.0)
     assert groups(viewer)["target"].level == pytest.approx(before["target"].level + 15.0)
-    viewer.session.settle({"receiver.source_level": 200.0})
-    wait(viewer, qtbot)
+    finish(viewer, qtbot, viewer.session.settle, {"receiver.source_level": 200.0})
     assert groups(viewer)["bed"].level == pytest.approx(before["bed"].level + 10.0)
-    viewer.session.settle({"receiver.noise": "none", "receiver.reverberation": "none"})
-    wait(viewer, qtbot)
-    assert "the scene has no noise" in viewer.panels["budget"].view.sentence.text()
+    finish(viewer, qtbot, viewer.session.settle, {"receiver.noise": "none", "receiver.reverberation": "none"})
+    assert "the scene has no noise" in panel.view.sentence.text()
     assert "noise" not in groups(viewer)
     # The law of light has no levels.
-    viewer.session.settle({"sonar.law": "light"})
-    wait(viewer, qtbot)
-    view = viewer.panels["budget"].view
-    assert "no sonar equation" in view.sentence.text()
-    assert view.terms.groups == ()
-    view.curves.grab()
+    finish(viewer, qtbot, viewer.session.settle, {"sonar.law": "light"})
+    assert "no sonar equation" in panel.view.sentence.text()
+    assert panel.view.terms.groups == ()
+    curves.grab()

@@ -1,17 +1,15 @@
 """The real window on a virtual screen, over a simulation of known numbers."""
 
-from threading import Event
-
 import numpy as np
 import pytest
-from controls import choose, finish, picture_of
+from controls import choose, finish, move_slider, picture_of
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.scene import bundled_scenes, edit, load_scene
+from insonify.scene import edit
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify.simulation import prepare
 from insonify_viewer.widgets.field_rows import NumberRow
@@ -29,28 +27,19 @@ def pick(viewer, path: str, option: str):
     choose(combo, combo.findData(option))
 
 
-def drag(viewer, path: str, *positions: int):
-    slider = number_row(viewer, path).slider
-    slider.setSliderDown(True)
-    for position in positions:
-        slider.setValue(position)
-    return slider
-
-
 def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(viewer, qtbot):
     fine = []
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
-    slider = drag(viewer, "track.altitude", 300)
+    slider = move_slider(number_row(viewer, "track.altitude").slider, 300)
     qtbot.waitUntil(lambda: viewer.complete and fine and fine[-1])
     assert slider.isSliderDown()
     altitude = viewer.session.scene.track.altitude
     shown = {"track.altitude": f"{altitude:.4g} m", "track.depth": f"{30.0 - altitude:.4g} m"}
     qtbot.waitUntil(lambda: {path: number_row(viewer, path).field.text() for path in shown} == shown)
     assert not viewer.session.history.undoable, "the drag goes on"
-    slider.setSliderDown(False)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, slider.setSliderDown, False)
     before = picture_of(viewer.window.waterfall).copy()
-    drag(viewer, "seabed.material.diffuse", 600).setSliderDown(False)
+    move_slider(number_row(viewer, "seabed.material.diffuse").slider, 600).setSliderDown(False)
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
@@ -96,13 +85,12 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     viewer._rest.setInterval(10**6)  # as if the person went on within a moment
     between = []
     viewer.simulator.answered.connect(lambda answer: between.append(float(answer.between.mean())))
-    slider = drag(viewer, "track.altitude", 300)
+    slider = move_slider(number_row(viewer, "track.altitude").slider, 300)
     qtbot.waitUntil(lambda: viewer.complete)
     assert planes() == "1"
     assert between[0] > 0.5, "most pings are interpolated at first"
     assert between[-1] == 0.0, "then all are traced by one plane"
-    slider.setSliderDown(False)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, slider.setSliderDown, False)
     assert planes() == "as planned"
     viewer.session.undo()
     assert viewer.session.scene == before, "a drag is one step of undo"
@@ -151,9 +139,7 @@ def test_the_tow_waits_for_pings_that_take_long(open_viewer, small, qtbot):
     assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
 
 
-def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
-    open_viewer, small, tmp_path, qtbot, monkeypatch
-):
+def test_names_turn_into_numbers_and_values_are_typed_or_read(open_viewer, small, tmp_path, qtbot, monkeypatch):
     viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
@@ -190,7 +176,7 @@ def test_names_turn_into_numbers_values_are_typed_and_files_are_asked_for(
 def test_edits_are_refused_take_rows_along_and_a_slider_without_effect_stands_aside(viewer, small, qtbot):
     row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
-    drag(viewer, "seabed.depth", 0).setSliderDown(False)
+    move_slider(row.slider, 0).setSliderDown(False)
     assert "above the surface" in viewer.window.status.sentence.text()
     assert viewer.session.scene == small
     assert row.slider.value() == home
@@ -265,43 +251,3 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer, small, tmp_path, qt
     said = viewer.window.status.sentence
     qtbot.waitUntil(lambda: "none.npy" in said.text() and "…" not in said.text())
     assert viewer.session.scene == scene
-
-
-def test_a_scene_is_refused_in_a_sentence_or_opened_by_the_menu(viewer, small, tmp_path):
-    (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
-    viewer.files.open_scene(str(tmp_path / "bad.toml"))
-    assert "did you mean 'range'" in viewer.window.status.sentence.text()
-    assert viewer.session.scene == small
-    # The menu opens bundled scenes.
-    menu = viewer.window.scenes
-    menu.fill()
-    *plain, last = menu.menu().actions()
-    names = [action.text().partition("\t")[0] for action in plain if action.data()]
-    failures = [action.text().partition("\t")[0] for action in last.menu().actions()]
-    assert last.text() == "Where it breaks"
-    assert names == [name for name in bundled_scenes() if not name.startswith("breaks-")]
-    assert failures == [name for name in bundled_scenes() if name.startswith("breaks-")]
-    wanted = load_scene("figure-4b")
-    action = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
-    assert wanted.description.split()[0] in action.toolTip()
-    menu.menu().triggered.emit(action)
-    assert viewer.session.scene == wanted
-    assert viewer.panels["parameters"].view.about.words == wanted.about
-
-
-def test_seabed_and_progress_show_before_the_first_ping(open_viewer, small, qtbot):
-    compiled = Event()
-
-    class Slow(StandIn):
-        def intensity(self, pings):
-            compiled.wait(120.0)
-            return super().intensity(pings)
-
-    viewer = open_viewer(small, prepare=Slow, until=lambda v: v.seabed.complete)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
-    assert not viewer.panels["parameters"].view.isEnabled()
-    assert (viewer.record.ping < 0).all()
-    compiled.set()
-    qtbot.waitUntil(lambda: viewer.complete)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is None)
-    assert viewer.panels["parameters"].view.isEnabled()

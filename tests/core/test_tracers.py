@@ -31,8 +31,11 @@ COHERENT = edit(SCENE, SPECKLED)
 EXTEND = (Path(__file__).parents[2] / "docs" / "architecture" / "extend.md").read_text()
 
 
-def test_the_methods_are_listed_by_rank():
+def test_the_methods_are_listed_by_rank_and_an_unknown_tracer_is_refused():
     assert list_methods() == ("auto", "sweep", "march", "rays")
+    for name in ("magic", "auto"):  # the latter is a wish, not a tracer
+        with pytest.raises(SceneError, match=rf"^method: '{name}' is not known; choose one of auto, sweep, march, ra"):
+            find_tracer(name)
 
 
 @pytest.mark.parametrize("name", [*list_methods()[1:], "scatterers"])
@@ -77,12 +80,9 @@ def strips():
         yield find_tracer("strips")
 
 
-def test_a_tracer_of_somebody_elses_is_a_method(strips):
+def test_a_tracer_of_somebody_elses_is_a_method_that_is_planned_by_its_ladder(strips):
     assert list_methods()[1:] == ("sweep", "march", "rays", "strips")
     assert find_tracer("strips") is strips
-
-
-def test_it_is_planned_by_its_ladder(strips):
     coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.5, 0.1))
     assert coarse.method == fine.method == "strips"
     assert coarse.model.fineness < fine.model.fineness
@@ -97,10 +97,9 @@ def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
     record = insonify.simulate(SCENE, method="strips", truth=True)
     assert np.isfinite(record.intensity).all()
     assert record.intensity.values.any()
-    swept = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}))
-    level = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}), method="strips")
-    heard = swept.intensity.values[..., 60:]
-    np.testing.assert_allclose(level.intensity.values[..., 60:], heard, rtol=0.05)
+    level = edit(SCENE, {"targets": [], "seabed.relief": "flat"})
+    swept, found = (insonify.simulate(level, method=method).intensity.values for method in ("auto", "strips"))
+    np.testing.assert_allclose(found[..., 60:], swept[..., 60:], rtol=0.05)
     words = ["render", "default", "--method", "strips", "--set", "track.pings=2", "-o", str(tmp_path / "record.png")]
     assert main(words) == 0
 
@@ -116,12 +115,6 @@ def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
 def test_what_it_cannot_do_is_refused(strips, changes, sentence):
     with pytest.raises(SceneError, match=sentence):
         insonify.plan(edit(SCENE, changes), method="strips")
-
-
-@pytest.mark.parametrize("name", ["magic", "auto"])  # the latter is a wish, not a tracer
-def test_an_unknown_tracer_is_refused(name):
-    with pytest.raises(SceneError, match=rf"^method: '{name}' is not known; choose one of auto, sweep, march, rays"):
-        find_tracer(name)
 
 
 FAN = math.radians(1.25)

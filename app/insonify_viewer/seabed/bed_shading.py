@@ -1,10 +1,8 @@
 """Image of the bed from above: colours of the materials, shaded by the slopes, fading into the water."""
 
-from __future__ import annotations
-
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +15,6 @@ from insonify.scene import Scene
 from insonify.scene.seabed.materials.catalogue import MATERIALS
 from insonify_viewer.core_types import Ground
 
-if TYPE_CHECKING:
-    from insonify_viewer.seabed.pv_meshes import BedPatch
-
 FOG = (0.345, 0.570, 0.655)
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
 LIT = 1.3  # brightness of targets over the bed, so that they stand out
@@ -29,6 +24,17 @@ FADE = (0.55, 0.98)
 DARK = 1e-6  # diffuse share below which a material counts as black
 SHADE = 0.55  # of the light, kept off by targets
 TONES = (0.3, 2.5)  # limits of shown brightness: diffuse share over that of the named material
+
+
+@dataclass(frozen=True, eq=False)
+class BedPatch:
+    """Mesh and texture of the bed around the fish."""
+
+    centre: tuple[float, float]  # (float, float) its middle, in local metres
+    points: Singles  # (n², 3) nodes of the mesh
+    image: Bytes  # (pixels, pixels, 3) shaded colours, row 0 at the far y
+    half: float  # half the side of the window, in metres
+    depths: tuple[float, float] | None = None  # (float, float) ends of the colours of depths, in metres, if it has them
 
 
 def target_colours(scene: Scene) -> Bytes:

@@ -27,7 +27,8 @@ from insonify_viewer.work.ping_request import is_same_ground
 from insonify_viewer.work.simulator import Simulator
 
 if TYPE_CHECKING:
-    from insonify_viewer.seabed.pv_meshes import BedPatch, ScanLine
+    from insonify_viewer.seabed.bed_shading import BedPatch
+    from insonify_viewer.seabed.pv_meshes import ScanLine
 
     Vector = Floats
     Grip = tuple[tuple[float, float, float], str, bool]

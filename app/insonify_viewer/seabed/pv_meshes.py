@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -15,7 +14,7 @@ from insonify.receiver.water_column import points_in_water
 from insonify.scene.targets.shape import rotation_matrix
 from insonify.scene.volumes import Volume
 from insonify_viewer.core_types import AnyGround, TowLine
-from insonify_viewer.seabed.bed_shading import bed_image, sample_heights
+from insonify_viewer.seabed.bed_shading import BedPatch, bed_image, sample_heights
 
 MESH_NODES = 257
 THINNED = 2  # every so many nodes are drawn while the view is turned
@@ -31,17 +30,6 @@ BEHIND = 0.55  # distance of its middle behind the fish, in slant ranges: record
 PATH_POINTS = 160
 PATH = (1.7, 0.5)  # of the track, shown behind and ahead, in slant ranges
 STEPS = 16  # of the window, per slant range
-
-
-@dataclass(frozen=True, eq=False)
-class BedPatch:
-    """Mesh and texture of the bed around the fish."""
-
-    centre: tuple[float, float]  # (float, float) its middle, in local metres
-    points: Singles  # (MESH_NODES², 3) nodes of the mesh
-    image: Bytes  # (TEXTURE_SIZE, TEXTURE_SIZE, 3) shaded colours, row 0 at the far y
-    half: float  # half the side of the window, in metres
-    depths: tuple[float, float] | None = None  # (float, float) ends of the colours of depths, in metres, if it has them
 
 
 def window_centre(line: TowLine, reach: float) -> tuple[float, float]:

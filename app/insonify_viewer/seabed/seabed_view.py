@@ -15,8 +15,9 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from insonify.arrays import Bytes, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
+from insonify_viewer.seabed.bed_shading import BedPatch
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
-from insonify_viewer.seabed.pv_meshes import BedPatch, ScanFan, ScanLine
+from insonify_viewer.seabed.pv_meshes import ScanFan, ScanLine
 from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedInput
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles

@@ -36,6 +36,10 @@ SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as sh
 SPREAD = 0.95  # share of the first source below which the second is named too
 NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
 SILENCE = -math.inf
+# Least level in dB over a level bed at the same range, and the word for it.
+TONES = ((6.0, "Very bright"), (2.0, "Bright"), (-2.0, "As bright as a level bed"), (-8.0, "Dim"), (-math.inf, "Dark"))
+# Least angle of incidence in degrees, and the words for it.
+ANGLES = ((75.0, ", almost grazing"), (60.0, ", at a low angle"), (30.0, ""), (0.0, ", almost head-on"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,6 +213,34 @@ class PixelExplanation:
     def level(self) -> float:
         """Level of the pixel in the record, dB."""
         return decibels(self.value)
+
+    def describe_brightness(self, amplitude: float | None) -> str:
+        """Sentence on why a pixel is bright or dark, given its amplitude over that of a level bed, if known."""
+        level = 20.0 * math.log10(amplitude) if amplitude else -math.inf
+        tone = next(word for least, word in TONES if level >= least)
+        hiders, echoes = self.obstructions, self.contributions
+        if hiders and (not echoes or sum(each.share for each in hiders) >= 0.5):
+            hider = hiders[0]
+            if hider.faces_away:
+                return (
+                    f"Dark because the slope behind the crest at {hider.ground_range:.1f} m faces away from the sonar."
+                )
+            name = f"a {hider.hider}" if hider.target < 0 else hider.hider
+            return f"{tone} because the bed here lies in the shadow of {name}."
+        if not echoes:
+            return f"Dark because nothing here returns the sound ({self.summary})."
+        first = echoes[0]
+        if first.path != "direct":
+            return f"{tone}: {first.words} arrives here, later than the direct one."
+        what = (
+            first.material if first.source == "bed" or not first.material else f"the {first.material} of {first.source}"
+        )
+        met = f"the sound meets {what or first.source} at {first.incidence:.0f}°"
+        met += next(words for least, words in ANGLES if first.incidence >= least)
+        causes = (
+            first.incidence >= 60.0 if level < -2.0 else level >= 2.0 and (first.target >= 0 or first.incidence < 45.0)
+        )
+        return f"{tone} because {met}." if causes else f"{tone}: {met}."
 
 
 def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> PixelExplanation:

@@ -4,23 +4,20 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
 from insonify.arrays import Integers
 from insonify.compiler.build import own_build
 from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
+from insonify.io.record_schema import coordinates, echo_variable, platform, target_variables
 from insonify.kernels.common.types import Poses
 from insonify.planning import Plan
+from insonify.record.labels import Columns, LabelledBlock, label_variables, name_parts
 from insonify.record.target_truth import TargetTruth
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import AnyGround
 from insonify.tow.poses import platform_columns
-from insonify.tracers.labels import PATHS
-
-Columns = dict[str, NDArray[Any]]
 
 
 def make_block(
@@ -38,10 +35,8 @@ def make_block(
     variables = echo_variable(columns["intensity"])
     variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
     if truth is not None:
-        targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
-        volumes = [f"{volume.kind}_{number}" for number, volume in enumerate(scene.volumes)]
-        materials = [*ground.names, *(target.material.name for target in scene.targets)]
-        variables |= label_variables(columns, targets, materials, PATHS, volumes)
+        variables |= label_variables(LabelledBlock(scene, ground, poses, columns))
+        targets = list(name_parts(scene.targets).values())
         variables |= target_variables(truth._asdict(), targets) if targets else {}
     coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
     return make_record_block(variables, coords, attributes)

@@ -69,7 +69,7 @@ def test_a_scene_depends_on_its_number_and_no_value_on_another_field():
     one, more = data_set(), data_set(SET.replace("[set]\n", '[set]\n"sonar.frequency" = 3e5\n'))
     first = draw_scene(one, BASE, 3)
     assert first == draw_scene(one, BASE, 3)
-    assert first.drawn == draw_scene(more, BASE, 3).drawn
+    assert first.draws.drawn == draw_scene(more, BASE, 3).draws.drawn
     assert first.scene.seed != draw_scene(one, BASE, 4).scene.seed
     assert 5.0 <= first.scene.track.altitude <= 7.0
 
@@ -292,7 +292,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
     (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
     mesh = '{ kind = "mesh", path = "own.ply" }'
     text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', mesh)
-    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, {}, {})
+    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, "datasets")
     base = load_scene(one.base)
     assert base == BASE
     shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
@@ -307,7 +307,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
 
 @pytest.mark.parametrize("name", list(bundled_specifications("datasets")))
 def test_a_bundled_specification_makes_its_first_scenes(name):
-    one = read_specification(name, DatasetSpecification, bundled_specifications("datasets"), {})
+    one = read_specification(name, DatasetSpecification, "datasets")
     base = load_scene(one.base)
     for number in range(12):
         drawn = draw_scene(one, base, number)

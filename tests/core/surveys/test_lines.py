@@ -191,7 +191,7 @@ def test_a_mistake_in_a_specification_is_told_in_a_sentence(tmp_path, capsys, ch
 
 @pytest.mark.parametrize("name", list(bundled_specifications("surveys")))
 def test_a_bundled_survey_can_be_planned(name, tmp_path):
-    one = read_specification(name, SurveySpecification, bundled_specifications("surveys"), {})
+    one = read_specification(name, SurveySpecification, "surveys")
     work = SurveyWork(one, load_scene(one.base), tmp_path).begun()
     assert work.plan is not None
     assert prepare(work.scene, plan=work.plan).plan == work.plan

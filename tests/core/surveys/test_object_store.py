@@ -57,7 +57,7 @@ def test_images_of_unlike_shapes_are_read_back_from_archives_and_stores(storage,
     store.put(f"{tmp_path}/train", f"sets/{storage.kind}/train", recursive=True)
     folder = folder_at(f"s3://sets/{storage.kind}")
     for tile, image in zip(tiles, images):
-        np.testing.assert_array_equal(storage.read_image(folder, tile.told["file"]), image)
+        np.testing.assert_array_equal(storage.read_image(folder, tile.description["file"]), image)
 
 
 def test_what_a_store_cannot_do_is_one_sentence(store, tmp_path, capsys):

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from insonify.explanation.words import describe_brightness
 from insonify.scene import Scene, SceneError
 from insonify_viewer.core_types import CrossSection, Listener, PixelExplanation, Simulation
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
@@ -106,7 +105,7 @@ class PixelPanel(Panel):
         self._shown = asked
         if isinstance(found, ExplainedPixel):
             amplitude = None if self._record is None else self._record.amplitude_at(*astuple(asked[1]))
-            sentence = describe_brightness(found.explanation, amplitude)
+            sentence = found.explanation.describe_brightness(amplitude)
             self.view.show_pixel(found.explanation, found.section, sentence)
             self._workbench.inspection.drawn.emit(_drawing(found.explanation))
         else:
@@ -135,8 +134,8 @@ def _words(direct: int, ghosts: int) -> str:
     """Sentence with the number of pixels that receive echoes of a place."""
     if not direct + ghosts:
         return "no pixel of the record receives an echo from this place: it is hidden or outside the beam"
-    told = f"{direct} {'pixel receives' if direct == 1 else 'pixels receive'} a direct echo from this place"
-    return told + (f", and {ghosts} an echo by way of the sea surface" if ghosts else "")
+    words = f"{direct} {'pixel receives' if direct == 1 else 'pixels receive'} a direct echo from this place"
+    return words + (f", and {ghosts} an echo by way of the sea surface" if ghosts else "")
 
 
 def _compile(simulation: Simulation) -> None:

@@ -13,7 +13,7 @@ from insonify.errors import FileWarning
 from insonify.io.file_access import FileFault
 from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
-from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.record_schema import ACROSS, coordinates, describe, platform
 from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
 
 DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
@@ -149,8 +149,8 @@ def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: Recorded
     bottom = track_bottom(intensity, bin_length)
     return make_record_block(
         {
-            "intensity": (ACROSS, intensity, labels("1", "square of the samples")),
-            BOTTOM_TRACK: (ACROSS[1], bottom, labels("m", "slant range of the first echo of the bed in the record")),
+            "intensity": (ACROSS, intensity, describe("1", "square of the samples")),
+            BOTTOM_TRACK: (ACROSS[1], bottom, describe("m", "slant range of the first echo of the bed in the record")),
         }
         | platform(track.columns, find_georeference(track.attributes)),
         coordinates(track.times, slant_range, sides[0].sound_speed),

@@ -1,10 +1,8 @@
 """Assembly of a data set: annotations, metadata and pictures from what its jobs report, one job at a time."""
 
 import json
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from heapq import heappush, heappushpop
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from insonify.io.atomic import replacing
-from insonify.surveys.datasets.datasheet import CHECKSUMS, DATASHEET, write_checksums, write_datasheet
+from insonify.surveys.datasets.datasheet import CHECKSUMS, DATASHEET, Totals, write_checksums, write_datasheet
 from insonify.surveys.datasets.scenes import hash_share
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.engine import read_flag
@@ -27,23 +25,6 @@ COLOURS = {"echo": (255, 200, 60), "shadow": (80, 200, 255)}
 PAPER = (24, 26, 30)
 SIZE = (9.0, 3.6)  # inches of the balance of classes
 TINTS = ("#1f7a8c", "#b3561d", "#9aa5b1", "#6a4c93", "#4f772d")
-
-
-@dataclass
-class Totals:
-    """Counts of a data set."""
-
-    tiles: Counter[str] = field(default_factory=Counter)  # tiles of each split, and those without a target
-    empty: Counter[str] = field(default_factory=Counter)
-    targets: Counter[tuple[str, str]] = field(default_factory=Counter)  # annotated targets of each class and split
-    files: list[str] = field(default_factory=list)  # of images
-
-    def add(self, tile: Mapping[str, Any]) -> None:
-        """Count a tile."""
-        self.files.append(tile["file"])
-        self.tiles[tile["split"]] += 1
-        self.empty[tile["split"]] += not tile["targets"]
-        self.targets.update((found["class"], tile["split"]) for found in tile["targets"])
 
 
 def assemble(specification: DatasetSpecification, folder: Path, names: Sequence[str]) -> Totals:

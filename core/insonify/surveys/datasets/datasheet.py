@@ -1,17 +1,16 @@
 """Datasheet of a data set (Gebru et al. 2021), and checksums of its images."""
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.engine import FLAGS
 from insonify.surveys.schedulers import read_build
 from insonify.surveys.storages import MARK
-
-if TYPE_CHECKING:
-    from insonify.surveys.datasets.assembly import Totals
 
 DATASHEET, CHECKSUMS = "datasheet.md", "SHA256SUMS"
 TEXT = """# Datasheet: {title}
@@ -57,9 +56,24 @@ same specification, versions and processor make the same bytes again; `--scenes`
 """
 
 
-def write_datasheet(
-    path: Path, specification: DatasetSpecification, folder: Path, scenes: int, totals: "Totals"
-) -> None:
+@dataclass
+class Totals:
+    """Counts of a data set."""
+
+    tiles: Counter[str] = field(default_factory=Counter)  # tiles of each split, and those without a target
+    empty: Counter[str] = field(default_factory=Counter)
+    targets: Counter[tuple[str, str]] = field(default_factory=Counter)  # annotated targets of each class and split
+    files: list[str] = field(default_factory=list)  # of images
+
+    def add(self, tile: Mapping[str, Any]) -> None:
+        """Count a tile."""
+        self.files.append(tile["file"])
+        self.tiles[tile["split"]] += 1
+        self.empty[tile["split"]] += not tile["targets"]
+        self.targets.update((found["class"], tile["split"]) for found in tile["targets"])
+
+
+def write_datasheet(path: Path, specification: DatasetSpecification, folder: Path, scenes: int, totals: Totals) -> None:
     """Write what the set holds and how it was made, as Markdown."""
     build = read_build(folder / FLAGS)
     text = TEXT.format(
@@ -82,19 +96,14 @@ def write_datasheet(
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _table(specification: DatasetSpecification, totals: "Totals") -> list[str]:
+def _table(specification: DatasetSpecification, totals: Totals) -> list[str]:
     """Rows of the table of splits."""
-    heads: Sequence[str] = ("split", "images", "without a target", *specification.classes)
-    rows = [
-        (
-            split,
-            totals.tiles[split],
-            totals.empty[split],
-            *(totals.targets[name, split] for name in specification.classes),
-        )
-        for split in specification.splits
-    ]
-    return [f"| {' | '.join(map(str, row))} |" for row in (heads, ("---",) * len(heads), *rows)]
+    classes = specification.classes
+    rows: list[Sequence[object]] = [("split", "images", "without a target", *classes), ("---",) * (3 + len(classes))]
+    for split in specification.splits:
+        targets = (totals.targets[name, split] for name in classes)
+        rows.append((split, totals.tiles[split], totals.empty[split], *targets))
+    return [f"| {' | '.join(map(str, row))} |" for row in rows]
 
 
 def write_checksums(path: Path, folder: Path, files: Iterable[str]) -> None:
