@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import make_dataclass
 from threading import Barrier
 from time import sleep
+from unittest.mock import Mock, call
 
 import numpy as np
 import pytest
@@ -16,16 +17,11 @@ Pair = make_dataclass("Pair", ("values", "number"))
 
 
 def test_the_least_recently_used_arrays_are_dropped() -> None:
-    cache, made = ArrayCache(3 * KB), []
-
-    def array(number: int) -> np.ndarray:
-        made.append(number)
-        return np.full(KB, number, np.uint8)
-
-    kept = cache.keep(array)
+    cache, make = ArrayCache(3 * KB), Mock(side_effect=lambda number: np.full(KB, number, np.uint8))
+    kept = cache.keep(make)
     for number in (1, 2, 3, 1, 4, 1, 2):
         assert kept(number)[0] == number
-    assert made == [1, 2, 3, 4, 2], "2 was the oldest when 4 came"
+    assert make.mock_calls == [*map(call, (1, 2, 3, 4, 2))], "2 was the oldest when 4 came"
     assert cache.bytes == 3 * KB
 
 
@@ -44,19 +40,14 @@ def test_functions_share_the_bound_and_not_their_results_which_go_with_them() ->
 
 
 def test_a_cleared_store_makes_its_arrays_again() -> None:
-    cache, made = ArrayCache(1000), []
-
-    @cache.keep
-    def ones(count: int) -> np.ndarray:
-        made.append(count)
-        return np.ones(count)
-
+    cache, make = ArrayCache(1000), Mock(side_effect=np.ones)
+    ones = cache.keep(make)
     for _ in range(2):
         ones(4)
     cache.clear()
     assert cache.bytes == 0
     assert (ones(4) == 1.0).all()
-    assert (made, cache.bytes) == ([4, 4], 32)
+    assert (make.mock_calls, cache.bytes) == ([call(4), call(4)], 32)
 
 
 def test_threads_agree_on_what_is_kept_and_share_what_they_ask_for_at_once() -> None:
@@ -81,15 +72,8 @@ def test_threads_agree_on_what_is_kept_and_share_what_they_ask_for_at_once() -> 
 
 
 def test_an_error_is_not_kept_and_arrays_inside_tuples_and_dataclasses_count() -> None:
-    cache, asked = ArrayCache(KB), []
-
-    @cache.keep
-    def fails_once() -> tuple[object, ...]:
-        asked.append(1)
-        if len(asked) == 1:
-            raise ValueError("once")
-        return np.zeros(2, np.uint8), [Pair(np.zeros(3, np.uint8), 1.0)], "name"
-
+    cache, found = ArrayCache(KB), (np.zeros(2, np.uint8), [Pair(np.zeros(3, np.uint8), 1.0)], "name")
+    fails_once = cache.keep(Mock(side_effect=[ValueError("once"), found]))
     with pytest.raises(ValueError, match="once"):
         fails_once()
     assert len(fails_once()) == 3

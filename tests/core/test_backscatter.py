@@ -17,9 +17,8 @@ PLACE = {"corner": (EAST, NORTH), "crs": "EPSG:32631", "nodata": np.nan}
 
 def scene(path, relief="flat", world=None, spacing=0.5, **fields):
     material = {"kind": "backscatter", "path": str(path), "of": MATERIALS, **fields}
-    return build(
-        {"world": world or {}, "seabed": {"depth": 30.0, "spacing": spacing, "relief": relief, "material": material}}
-    )
+    seabed = {"depth": 30.0, "spacing": spacing, "relief": relief, "material": material}
+    return build({"world": world or {}, "seabed": seabed})
 
 
 def at(ground, x, y):
@@ -76,14 +75,13 @@ def test_places_without_a_value_take_the_nearest(tmp_path):
     assert at(ground, [1.0, 3.0, 5.0, 7.0], [1.0] * 4) == ["silt", "silt", "medium_sand", "medium_sand"]
 
 
+PLACED = "give a raster with coordinates, and world.origin and world.crs or a measured"
+
+
 @pytest.mark.parametrize(
     ("world", "fields", "expected"),
     [
-        (
-            {},
-            {},
-            "has no position on the bed; give a raster with coordinates, and world.origin and world.crs or a measured",
-        ),
+        ({}, {}, f"has no position on the bed; {PLACED}"),
         (HERE, {"levels": [1.0]}, "levels has 1 values for 3 materials; give one value less than materials"),
         (HERE, {"levels": [2.0, 1.0]}, "levels does not increase; sort it"),
         (HERE, {"path": "nowhere.tif"}, "does not exist"),

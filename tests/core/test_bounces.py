@@ -1,5 +1,6 @@
 """Rays that go on after their first hit: mirrors, lenses and the ghosts they bring, in closed form."""
 
+import itertools
 import math
 
 import numpy as np
@@ -34,9 +35,8 @@ def scene_of(interface, *, mesh=None, mesh_material=0, **options):
 def test_two_facing_mirrors():
     # Seven metres apart, slantwise between them: the gain is the product of the coefficients, range by range.
     walls = mesh_of([*np.array(WALL) - (0, 20, 0), *np.array(WALL) - (0, 13, 0)], [*QUAD, (4, 5, 6), (4, 6, 7)])
-    arrays = scene_of([(0.9, 1.0), (0.7, 1.0)])._replace(
-        mesh=walls._replace(material=np.where(walls.corners[:, 0, 1] == 0.0, 0, 1))
-    )
+    walls = walls._replace(material=np.where(walls.corners[:, 0, 1] == 0.0, 0, 1))
+    arrays = scene_of([(0.9, 1.0), (0.7, 1.0)])._replace(mesh=walls)
     paths = rays.follow(arrays, (0.0, 3.0, 0.0), (0.4, 1.0, 0.1), 9)
     k = np.arange(10)
     assert paths.bounce.tolist() == k.tolist()
@@ -158,16 +158,16 @@ def last_edges(arrays, bundle, through, out):
         out[k, 6], out[k, 7], out[k, 8] = path.across.x, path.across.y, path.across.z
 
 
+BALL = (0.0, 12.0, 4.0), 1.5
+PIPE = (-3.0, 12.0, 4.0), (4.0, 12.5, 4.4), 1.5
+CONE = (0.0, 12.0, 6.0), (0.3, 12.5, 1.0), 0.9, 2.6
+
+
 @pytest.mark.parametrize(
     ("body", "through"),
     [
-        (((0.0, 12.0, 4.0), 1.5), [False]),
-        (((0.0, 12.0, 4.0), 1.5), [True, True]),
-        (((0.0, 12.0, 4.0), 1.5), [True, False, True]),
-        (((-3.0, 12.0, 4.0), (4.0, 12.5, 4.4), 1.5), [False]),
-        (((-3.0, 12.0, 4.0), (4.0, 12.5, 4.4), 1.5), [True, True]),
-        (((0.0, 12.0, 6.0), (0.3, 12.5, 1.0), 0.9, 2.6), [False]),
-        (((0.0, 12.0, 6.0), (0.3, 12.5, 1.0), 0.9, 2.6), [True, True]),
+        *itertools.product([BALL, PIPE, CONE], ([False], [True, True])),
+        (BALL, [True, False, True]),
     ],
 )
 def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
@@ -175,12 +175,8 @@ def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
     room = mesh_of(CUBE * 60.0, BOX_FACES)
     arrays = scene_of([(0.5, 0.8), (1.0, 1.0)], solids=[body], mesh=room, mesh_material=1)._replace(bounces=9)
     elevation, azimuth, step = -0.44, 1.53, 1e-5
-    angles = [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
-    ways = [
-        (math.cos(elevation + e) * math.cos(azimuth + a), math.cos(elevation + e) * math.sin(azimuth + a),
-         math.sin(elevation + e))
-        for e, a in angles
-    ]  # fmt: skip
+    e, a = elevation + step * np.array([0, 1, -1, 0, 0]), azimuth + step * np.array([0, 0, 0, 1, -1])
+    ways = np.column_stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
     out = np.empty((5, 9))
     last_edges(arrays, rays._bundle((0.0, 0.0, 10.0), ways), np.array(through), out)
     up = (out[1, :3] - out[2, :3]) / (2.0 * step)
