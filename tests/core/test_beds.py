@@ -18,7 +18,7 @@ from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
 
 
-def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_and_holes(tmp_path):
+def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_place_and_holes(tmp_path):
     rows = sloped(5, 7)
     rows[0, 1] = -9999.0
     rows[2, 2] = np.nan
@@ -29,20 +29,23 @@ def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_and_holes(tmp
     np.testing.assert_allclose(ground.heights + ground.datum, known[::-1], atol=1e-5)
     # The centre of the grid is the local (0, 0).
     assert (ground.x0, ground.y0) == (-6.0, -4.0)
-
-
-def test_large_map_coordinates_are_subtracted_in_double_precision(tmp_path):
+    # Large coordinates on the map are subtracted in double precision.
     path = write_tiff(tmp_path / "bed.tif", sloped(5, 7), pixel=(0.25, 0.25), **UTM)
     ground = build_ground(scene(path, origin=(EAST + 0.5, NORTH - 1.0)))
     # Node (0, 0) is the centre of the south-western pixel.
     assert (ground.x0, ground.y0) == (-0.375, 1.0 - 1.25 + 0.125)
 
 
-def test_scale_comes_before_datum(tmp_path):
+def test_measured_relief_is_scaled_before_its_datum_about_its_mean_and_takes_no_shape(tmp_path):
     path = write_tiff(tmp_path / "bed.tif", [[10.0, 10.0], [20.0, 20.0]], **UTM)
     ground = build_ground(scene(path, scale=0.1, datum=-30.0))
     assert ground.datum == pytest.approx(-28.5)
     np.testing.assert_allclose(ground.heights[:, 0], [0.5, -0.5], atol=1e-6)
+    np.save(tmp_path / "bed.npy", sloped(4, 6))
+    seabed = scene(tmp_path / "bed.npy").seabed
+    assert abs(relief(seabed).mean()) < 1e-12
+    with pytest.raises(SceneError, match="own grid; leave it out"):
+        relief(seabed, (8, 8))
 
 
 def test_oblong_pixels_are_resampled_to_the_finer_spacing(tmp_path):
@@ -119,60 +122,48 @@ def test_samples_have_north_at_the_end(name, shape):
     assert low < high
 
 
-def test_measured_relief_is_about_its_mean_and_takes_no_shape(tmp_path):
-    np.save(tmp_path / "bed.npy", sloped(4, 6))
-    seabed = scene(tmp_path / "bed.npy").seabed
-    assert abs(relief(seabed).mean()) < 1e-12
-    with pytest.raises(SceneError, match="own grid; leave it out"):
-        relief(seabed, (8, 8))
-
-
-def bad_files(folder):
-    """Write files with one mistake each; return their names by what is to be said of it."""
+def test_every_bad_file_is_told_in_one_sentence(tmp_path):
     for name in ("text.tif", "text.asc", "text.bag", "text.npy", "text.npz"):
-        (folder / name).write_text("not a grid")
-    (folder / "empty.npy").write_bytes(b"")
-    (folder / "bed.xyz").write_text("1 2 3")
-    (folder / "nan.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
-    (folder / "undeclared.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
-    np.save(folder / "line.npy", np.zeros(5))
-    np.save(folder / "words.npy", np.array([["a", "b"], ["c", "d"]]))
-    np.save(folder / "object.npy", np.array([[None, 1], [2, 3]], dtype=object), allow_pickle=True)
-    np.save(folder / "thin.npy", np.zeros((1, 5)))
-    np.save(folder / "nothing.npy", np.full((3, 3), np.nan))
-    np.savez(folder / "lines.npz", a=np.zeros(3), b=np.zeros(4))
+        (tmp_path / name).write_text("not a grid")
+    (tmp_path / "empty.npy").write_bytes(b"")
+    (tmp_path / "bed.xyz").write_text("1 2 3")
+    (tmp_path / "nan.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
+    (tmp_path / "undeclared.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
+    np.save(tmp_path / "line.npy", np.zeros(5))
+    np.save(tmp_path / "words.npy", np.array([["a", "b"], ["c", "d"]]))
+    np.save(tmp_path / "object.npy", np.array([[None, 1], [2, 3]], dtype=object), allow_pickle=True)
+    np.save(tmp_path / "thin.npy", np.zeros((1, 5)))
+    np.save(tmp_path / "nothing.npy", np.full((3, 3), np.nan))
+    np.savez(tmp_path / "lines.npz", a=np.zeros(3), b=np.zeros(4))
     lone = np.full((4, 3), np.nan)
     lone[1, 1] = -5.0
-    write_tiff(folder / "lone.tif", lone, pixel=(1.5, 1.0), **UTM)
-    write_tiff(folder / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
-    write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 95.0), crs="EPSG:4326")
-    write_tiff(folder / "feet.tif", sloped(3, 3), crs="EPSG:2263")
-    write_tiff(folder / "waves.tif", sloped(3, 3).astype(np.complex64), **UTM)
-    np.save(folder / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
-    return {
-        "does not exist; give": ["absent.tif"],
-        "cannot be read .*; give a valid": ["text.tif", "text.asc", "text.bag"],
-        "cannot be read .*; save it": ["text.npy", "text.npz", "empty.npy", "object.npy"],
-        "is not a format known here; give a file that ends in one of": ["bed.xyz"],
-        "holds no valid height; check": ["nan.asc", "nothing.npy", "nodata.tif"],
-        "has 6 cells of -9999, which it does not declare as nodata": ["undeclared.asc"],
-        "has 1 dimensions; save": ["line.npy"],
-        "holds <U1 values; save": ["words.npy"],
-        "is only 5 by 1 heights; give at least 2 by 2": ["thin.npy"],
-        "holds no 2-D array; save": ["lines.npz"],
-        r".*only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps": ["lone.tif"],
-        "is in degrees beyond the poles; georeference it again": ["degrees.tif"],
-        "is in .*foot; project it": ["feet.tif"],
-        "holds complex64 values; save": ["waves.tif"],
-        "has heights from -1e.07 to -30 m; declare its nodata value": ["gaps.npy"],
-    }
-
-
-def test_every_bad_file_is_told_in_one_sentence(tmp_path):
-    for expected, name in ((said, name) for said, names in bad_files(tmp_path).items() for name in names):
-        with pytest.raises(SceneError, match=rf"^seabed\.relief\.path: '.*{name}' {expected}") as caught:
-            build_ground(scene(tmp_path / name))
-        assert "\n" not in str(caught.value)
+    write_tiff(tmp_path / "lone.tif", lone, pixel=(1.5, 1.0), **UTM)
+    write_tiff(tmp_path / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
+    write_tiff(tmp_path / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 95.0), crs="EPSG:4326")
+    write_tiff(tmp_path / "feet.tif", sloped(3, 3), crs="EPSG:2263")
+    write_tiff(tmp_path / "waves.tif", sloped(3, 3).astype(np.complex64), **UTM)
+    np.save(tmp_path / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
+    for expected, names in {
+        "does not exist; give": "absent.tif",
+        "cannot be read .*; give a valid": "text.tif text.asc text.bag",
+        "cannot be read .*; save it": "text.npy text.npz empty.npy object.npy",
+        "is not a format known here; give a file that ends in one of": "bed.xyz",
+        "holds no valid height; check": "nan.asc nothing.npy nodata.tif",
+        "has 6 cells of -9999, which it does not declare as nodata": "undeclared.asc",
+        "has 1 dimensions; save": "line.npy",
+        "holds <U1 values; save": "words.npy",
+        "is only 5 by 1 heights; give at least 2 by 2": "thin.npy",
+        "holds no 2-D array; save": "lines.npz",
+        r".*only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps": "lone.tif",
+        "is in degrees beyond the poles; georeference it again": "degrees.tif",
+        "is in .*foot; project it": "feet.tif",
+        "holds complex64 values; save": "waves.tif",
+        "has heights from -1e.07 to -30 m; declare its nodata value": "gaps.npy",
+    }.items():
+        for name in names.split():
+            with pytest.raises(SceneError, match=rf"^seabed\.relief\.path: '.*{name}' {expected}") as caught:
+                build_ground(scene(tmp_path / name))
+            assert "\n" not in str(caught.value)
     with pytest.raises(SceneError, match="choose sample:jacksboro or sample:topobathy"):
         build_ground(scene("sample:matterhorn"))
 
@@ -211,15 +202,6 @@ def test_degrees_are_projected_to_the_utm_zone_of_the_place(tmp_path):
     place = scene(path).seabed.relief.georeference(None)
     assert place.crs == "EPSG:32632"
     np.testing.assert_allclose(place.origin, to_utm.transform(lon.mean(), lat.mean()), atol=4.0)
-
-
-def test_a_record_over_a_measured_bed_lies_on_its_map(tmp_path):
-    path = write_tiff(tmp_path / "a.tif", np.full((60, 60), -20.0), **UTM)
-    over = edit(scene(path), {"track.pings": 2, "sonar.bins": 50, "sonar.range": 20.0})
-    record = simulate(over)
-    assert record.attrs["crs"] == "EPSG:32633"
-    assert (record.attrs["origin_x"], record.attrs["origin_y"]) == (EAST + 60.0, NORTH - 60.0)
-    assert simulate(edit(over, {"world.crs": "EPSG:25833"})).attrs["crs"] == "EPSG:25833"
 
 
 def test_depths_are_recognised_or_asked_about(tmp_path):
@@ -306,8 +288,13 @@ def test_holes_stay_holes_under_detail_no_coarser_than_the_measurement(tmp_path)
         build_ground(detailed(wide, spacing=0.1))
 
 
-def test_a_detailed_bed_is_heard_and_drawn(tmp_path, capsys):
+def test_a_record_over_a_measured_bed_lies_on_its_map_and_its_detail_is_heard_and_drawn(tmp_path, capsys):
     path = write_tiff(tmp_path / "a.tif", np.full((60, 60), -20.0), **UTM)
+    over = edit(scene(path), {"track.pings": 2, "sonar.bins": 50, "sonar.range": 20.0})
+    record = simulate(over)
+    assert record.attrs["crs"] == "EPSG:32633"
+    assert (record.attrs["origin_x"], record.attrs["origin_y"]) == (EAST + 60.0, NORTH - 60.0)
+    assert simulate(edit(over, {"world.crs": "EPSG:25833"})).attrs["crs"] == "EPSG:25833"
     small = {"track.pings": 3, "sonar.bins": 200, "sonar.range": 30.0}
     records = [simulate(edit(detailed(path, rms=rms), small)) for rms in (0.0, 0.05)]
     assert records[1].attrs["crs"] == "EPSG:32633"
@@ -319,16 +306,16 @@ def test_a_detailed_bed_is_heard_and_drawn(tmp_path, capsys):
     assert main(["plan", str(text)]) == 0
 
 
+POWER_LAW = {"kind": "power_law"}
+
+
 @pytest.mark.parametrize(
     ("of", "expected"),
     [
         (["dem", "dem"], "of has 2 measured beds; keep one"),
-        (["dem", {"kind": "power_law", "extent": "endless"}], "of is endless in one part and measured in another"),
+        (["dem", POWER_LAW | {"extent": "endless"}], "of is endless in one part and measured in another"),
         (["dem", {"kind": "flat"}], "flat"),
-        (
-            ["dem", {"kind": "power_law", "period": 16.0}, {"kind": "ripples", "period": 12.8}],
-            "give all the same period",
-        ),
+        (["dem", POWER_LAW | {"period": 16.0}, {"kind": "ripples", "period": 12.8}], "give all the same period"),
     ],
 )
 def test_what_cannot_be_added_is_one_sentence(tmp_path, of, expected):
