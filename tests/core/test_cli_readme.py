@@ -39,10 +39,6 @@ def commands() -> list[str]:
     return sorted({line for line in known if not any(name in line for name in ("width=90", *made))})
 
 
-def test_there_are_commands_to_try():
-    assert len(commands()) > 30
-
-
 @pytest.mark.parametrize("line", [*commands(), *(command for _, command in GALLERY)])
 def test_every_command_is_understood(line):
     words = shlex.split(line, comments=True)[1:]
@@ -75,8 +71,9 @@ def test_the_examples_of_the_readme_run_as_printed_in_a_fresh_clone(line, clone)
     assert all((folder / name).exists() for name in named)
 
 
-def test_the_readme_runs_in_the_environment_that_its_first_command_makes():
+def test_there_are_commands_to_try_in_the_environment_that_the_first_of_the_readme_makes():
     """``uv run`` syncs the default groups, which hold every extra that an example needs."""
+    assert len(commands()) > 30
     assert len(EXAMPLES) >= 8
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
@@ -109,13 +106,10 @@ def test_generated_pages_and_quoted_outputs_are_up_to_date():
     assert code == 0, complaint
 
 
-def test_pages_that_the_code_names_exist():
+def test_pages_pictures_and_paths_that_code_and_documentation_name_exist():
     for source in [*(ROOT / "core").rglob("*.py"), *(ROOT / "app").rglob("*.py")]:
         for path in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):
             assert (ROOT / path).is_file(), f"{source.name}: {path}"
-
-
-def test_pictures_that_the_documentation_shows_and_paths_that_it_names_exist():
     roots = (ROOT, ROOT / "core" / "insonify", ROOT / "app")
     for page, text in PAGES.items():
         for path in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
