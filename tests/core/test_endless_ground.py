@@ -127,7 +127,7 @@ def level_beds():
     return terrain_tiles._beds_of(level, 20.0)
 
 
-def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
+def test_beds_of_windows_are_bounded_by_their_bytes_and_those_of_all_grounds_share_the_bound(monkeypatch):
     beds = level_beds()
     beds.make_room(6)
     for column in range(5):
@@ -139,9 +139,8 @@ def test_beds_of_windows_are_bounded_by_their_bytes(monkeypatch):
     monkeypatch.setattr(terrain_tiles, "LARGEST", 1)
     beds.bed(0, 6)
     assert list(beds._beds) == [(0, 6)]
-
-
-def test_beds_of_all_grounds_share_one_bound(monkeypatch):
+    monkeypatch.undo()
+    terrain_tiles.drop_windows()
     one, other = level_beds(), level_beds()
     for beds in (one, other, one):
         beds.make_room(3)
@@ -195,10 +194,8 @@ def test_an_excerpt_is_the_same_ground(excerpt):
         np.testing.assert_allclose(part.height_at(x, y), whole.height_at(x, y), atol=1e-6)
     assert np.isfinite(part.height_near(*beyond)).all(), "that of the nearest edge, for which no tile is made"
     first = [round(low / part.spacing) for low in (part.rectangle.y0, part.rectangle.x0)]
-    assert (
-        np.mean(gather_tiles(whole.materials, first, part.rectangle.materials.shape) == part.rectangle.materials)
-        > 0.999
-    )
+    materials = gather_tiles(whole.materials, first, part.rectangle.materials.shape)
+    assert np.mean(materials == part.rectangle.materials) > 0.999
 
 
 @pytest.mark.parametrize("every", [1, 4])
@@ -221,13 +218,19 @@ def test_a_record_over_an_excerpt_is_that_over_tiles(record):
     np.testing.assert_allclose(found, record, rtol=2e-4, atol=2e-5 * record.max())
 
 
-def test_a_fish_follows_the_terrain_anywhere():
+def test_a_fish_follows_the_terrain_anywhere_and_a_target_lies_on_it(record):
     scene = edit(SCENE, {"track.terrain_following": True, "track.start": [3e5, -2e5]})
     simulation = prepare(scene)
     poses = simulation.poses(PINGS)
     below = simulation.ground.height_at(poses.x, poses.y)
     assert np.ptp(poses.z) > 0.0
     assert np.abs(poses.z - below - 6.0).max() < 0.4
+    scene = edit(SCENE, {"targets": [{"kind": "sphere", "position": [SIDE - 6.5, SIDE + 12.1], "radius": 0.8}]})
+    simulation = prepare(scene)
+    sphere = simulation.arrays.solids.start[0]
+    below = simulation.ground.height_at(sphere[:1], sphere[1:2])[0]
+    assert sphere[2] - below == pytest.approx(0.8, abs=1e-6)
+    assert not np.array_equal(simulation.intensity(PINGS), record)
 
 
 @pytest.mark.parametrize(
@@ -255,15 +258,6 @@ def test_parts_of_a_sum_are_as_they_are_alone():
     left = total - first
     assert np.abs(left).max() > 0.02
     assert (np.abs(left) < 1e-12).mean() > 0.2  # where the mask lets no ripple be
-
-
-def test_a_target_lies_on_it():
-    scene = edit(SCENE, {"targets": [{"kind": "sphere", "position": [SIDE - 6.5, SIDE + 12.1], "radius": 0.8}]})
-    simulation = prepare(scene)
-    sphere = simulation.arrays.solids.start[0]
-    below = simulation.ground.height_at(sphere[:1], sphere[1:2])[0]
-    assert sphere[2] - below == pytest.approx(0.8, abs=1e-6)
-    assert not np.array_equal(simulation.intensity(PINGS), prepare(SCENE).intensity(PINGS))
 
 
 def test_scenes_on_the_same_ground_share_its_windows(record):
@@ -296,17 +290,7 @@ def test_waves_and_filters_of_a_field_are_kept_and_go_with_it_at_once():
         gc.enable()
 
 
-def test_windows_go_with_the_last_scene_on_their_ground():
-    simulation = prepare(edit(SCENE, {"seed": 77}))
-    simulation.intensity(PINGS[:1])
-    held = weakref.ref(next(simulation.tiles.split(simulation.reduced, simulation.poses(PINGS)))[1].bed.transposed)
-    assert held() is not None
-    del simulation
-    gc.collect()
-    assert held() is None
-
-
-def test_expected_ground_is_kept_between_blocks():
+def test_windows_are_kept_between_blocks_and_go_with_the_last_scene_on_their_ground():
     """Blocks of pings over one window after another leave the beds of all of them for a call over all pings."""
     simulation = prepare(edit(SCENE, {"seed": 91}), tolerance=1.0)
     beds, poses = simulation.tiles._beds, simulation.poses(PINGS)
@@ -315,3 +299,8 @@ def test_expected_ground_is_kept_between_blocks():
     for k in range(len(cells)):
         simulation.intensity(PINGS[which.reshape(-1) == k])
     assert len(beds._beds) == len(cells) == terrain_tiles.KEPT_BEDS + 1
+    kept = weakref.ref(next(simulation.tiles.split(simulation.reduced, poses))[1].bed.transposed)
+    assert kept() is not None
+    del simulation, beds
+    gc.collect()
+    assert kept() is None
