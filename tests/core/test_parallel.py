@@ -1,5 +1,6 @@
 """Threads: how many the process may use, and work shared among them."""
 
+import itertools
 import multiprocessing
 import os
 import threading
@@ -10,7 +11,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from commands import LONG, PATIENCE, run_python
+from commands import LONG, PATIENCE, run_python, wait_until
 from insonify import cores, parallel
 from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads, one_ahead
 from insonify.scene import SceneError
@@ -126,6 +127,9 @@ def test_affinity_counts():
     assert run_python("-c", code, env=alone)[1].strip() == "1"
 
 
+PERIOD = {"cpu/cpu.cfs_period_us": "100000\n"}
+
+
 @pytest.mark.parametrize(
     ("groups", "files", "quota"),
     [
@@ -133,12 +137,8 @@ def test_affinity_counts():
         ("0::/\n", {"cpu.max": "max 100000\n"}, float("inf")),
         ("0::/job/step\n", {"job/step/cpu.max": "max 100000\n", "job/cpu.max": "200000 100000\n"}, 2.0),
         ("0::/job/../other\n", {"other/cpu.max": "100000 100000\n"}, 1.0),
-        (
-            "4:memory:/x\n3:cpu,cpuacct:/docker/x\n",
-            {"cpu/cpu.cfs_quota_us": "300000\n", "cpu/cpu.cfs_period_us": "100000\n"},
-            3.0,
-        ),
-        ("3:cpu:/\n", {"cpu/cpu.cfs_quota_us": "-1\n", "cpu/cpu.cfs_period_us": "100000\n"}, float("inf")),
+        ("4:memory:/x\n3:cpu,cpuacct:/docker/x\n", PERIOD | {"cpu/cpu.cfs_quota_us": "300000\n"}, 3.0),
+        ("3:cpu:/\n", PERIOD | {"cpu/cpu.cfs_quota_us": "-1\n"}, float("inf")),
         ("nonsense\n", {"cpu.max": "nonsense\n"}, float("inf")),
     ],
 )
@@ -178,33 +178,23 @@ print(os.waitpid(child, 0)[1])
     assert run_python("-c", code, timeout=PATIENCE)[1].strip() == "0"
 
 
-def test_one_item_ahead_is_made_meanwhile():
-    made = []
+def test_one_item_ahead_is_made_meanwhile_and_an_error_of_the_maker_comes_after_the_items_before_it():
+    made, seen = [], []
 
     def items():
         for number in range(5):
             made.append(number)
             yield number
-
-    seen = []
-    for item in one_ahead(items()):
-        limit = time.monotonic() + PATIENCE
-        while len(made) < min(item + 2, 5) and time.monotonic() < limit:
-            time.sleep(0.001)
-        time.sleep(0.01)  # for one made too early
-        seen.append((item, len(made)))
-    assert seen == [(0, 2), (1, 3), (2, 4), (3, 5), (4, 5)]
-
-
-def test_an_error_of_the_maker_comes_after_the_items_before_it():
-    def items():
-        yield 1
-        raise ValueError("the second")
+        raise ValueError("the sixth")
 
     ahead = one_ahead(items())
-    assert next(ahead) == 1
-    with pytest.raises(ValueError, match="the second"):
+    for item in itertools.islice(ahead, 5):
+        wait_until(lambda item=item: len(made) >= min(item + 2, 5))
+        time.sleep(0.01)  # for one made too early
+        seen.append((item, len(made)))
+    with pytest.raises(ValueError, match="the sixth"):
         next(ahead)
+    assert seen == [(0, 2), (1, 3), (2, 4), (3, 5), (4, 5)]
 
 
 @pytest.mark.parametrize("kind", [KeyboardInterrupt, SystemExit])
