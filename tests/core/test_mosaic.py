@@ -85,36 +85,29 @@ def test_lost_pings_and_those_at_an_altitude_that_no_sonar_has_leave_a_gap():
         assert not mosaic.count[x > 15.0].any()
 
 
-@pytest.mark.parametrize(
-    ("rule", "expected"), [("mean", 10.0 * np.log10(8.5)), ("last", 0.0), ("strongest", 20.0 * np.log10(4.0))]
-)
-def test_overlaps_follow_the_named_rule(rule, expected):
+def test_overlaps_follow_the_named_rule():
     strong, weak = straight_swath(heading=0.0, level=4.0), straight_swath(heading=0.0, level=1.0)
-    mosaic = make_mosaic([strong, weak], 0.5, rule)
-    _, y = cell_centres(mosaic)
-    port = mosaic.level[(y > 202.0) & (y < 215.0)]
-    np.testing.assert_allclose(port[np.isfinite(port)], expected, atol=1e-5)
-
-
-def test_the_nearest_record_counts_and_neighbours_fill_the_nadir_of_one():
+    for rule, energy in {"mean": 8.5, "last": 1.0, "strongest": 16.0}.items():
+        mosaic = make_mosaic([strong, weak], 0.5, rule)
+        _, y = cell_centres(mosaic)
+        port = mosaic.level[(y > 202.0) & (y < 215.0)]
+        np.testing.assert_allclose(port[np.isfinite(port)], 10.0 * np.log10(energy), atol=1e-5, err_msg=rule)
     lines = [straight_swath(heading=0.0, start=(0.0, y), level=level) for y, level in ((0.0, 1.0), (15.0, 3.0))]
     mosaic = make_mosaic(lines, 0.5, "nearest")
     x, y = cell_centres(mosaic)
     middle = (x > 2.0) & (x < 27.0)
     np.testing.assert_allclose(mosaic.level[middle & (y > 0.6) & (y < 7.0)], 0.0, atol=1e-6)
     np.testing.assert_allclose(mosaic.level[middle & (y > 8.0) & (y < 14.0)], 20.0 * np.log10(6.0), rtol=1e-5)
-    mosaic = make_mosaic(lines, 0.5, "no-nadir")
+    mosaic = make_mosaic(lines, 0.5, "no-nadir")  # neighbours fill the nadir of one
     np.testing.assert_allclose(mosaic.level[middle & (abs(y) < 4.0)], 20.0 * np.log10(6.0), rtol=1e-5)
     np.testing.assert_allclose(mosaic.level[middle & (y < -6.0) & (y > -18.0)], 20.0 * np.log10(2.0), rtol=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.1999, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)]
-)
-def test_cells_are_round_hold_about_a_ping_and_fit_those_of_all_mosaics(spacing, cell):
-    assert choose_cell(max(spacing, 0.1)) == pytest.approx(cell)
-    corner = np.array(make_mosaic([straight_swath(start=(100.123, 200.456))], cell).corner) / cell
-    np.testing.assert_allclose(corner, np.rint(corner))
+def test_cells_are_round_hold_about_a_ping_and_fit_those_of_all_mosaics():
+    for spacing, cell in ((0.5, 0.5), (0.3, 0.2), (0.1999, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)):
+        assert choose_cell(max(spacing, 0.1)) == pytest.approx(cell)
+        corner = np.array(make_mosaic([straight_swath(start=(100.123, 200.456))], cell).corner) / cell
+        np.testing.assert_allclose(corner, np.rint(corner))
 
 
 def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
@@ -136,9 +129,8 @@ def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
         with rasterio.open(tmp_path / "a.tif") as file:
             level[name], crs, transform = file.read(1), file.crs, file.transform
     assert crs.to_epsg() == 32632
-    expected = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:32632", always_xy=True).transform(
-        origin[0] + place[0], origin[1] + place[1]
-    )
+    to_mosaic = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:32632", always_xy=True)
+    expected = to_mosaic.transform(origin[0] + place[0], origin[1] + place[1])
     for suffix in (".nc", ".xtf"):
         brighter = level[f"with{suffix}"] - level[f"without{suffix}"]
         row, column = np.unravel_index(np.nanargmax(brighter), brighter.shape)
@@ -176,14 +168,14 @@ def test_one_record_is_read_once_and_several_do_not_stay_in_memory(tmp_path, mon
     assert read == [*paths, *paths]
 
 
-def test_what_cannot_be_mapped_is_one_sentence(tmp_path, capsys):
+def test_what_cannot_be_mapped_is_one_sentence_and_a_file_tells_what_it_holds(tmp_path, capsys):
     blank = made_record(np.nan)
     blank["intensity"] = 0.0 * blank.intensity + 1.0
     deep = made_record(25.0)
     metric, placed = made_record(origin_x=5e5, origin_y=4e6), made_record(crs="EPSG:32631", origin_x=5e5, origin_y=4e6)
-    placed = placed.assign(platform_longitude=("ping_time", np.full(40, 3.0)))
-    placed = placed.assign(platform_latitude=("ping_time", np.full(40, 36.0)))
-    records = {"blank": blank, "deep": deep, "metric": metric, "placed": placed, "bare": made_record()}
+    east, north = (("ping_time", np.full(40, degrees)) for degrees in (3.0, 36.0))
+    placed = placed.assign(platform_longitude=east, platform_latitude=north)
+    records = {"blank": blank, "deep": deep, "metric": metric, "placed": placed, "bare": made_record(heading=20.0)}
     for name, record in records.items():
         write_record(tmp_path / f"{name}.nc", [record])
 
@@ -207,18 +199,12 @@ def test_what_cannot_be_mapped_is_one_sentence(tmp_path, capsys):
     assert main(words(["bare"])) == 0
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.crs is None
-
-
-def test_the_file_tells_what_it_holds(tmp_path):
-    write_record(tmp_path / "a.nc", [made_record(heading=20.0)])
-    assert main(["mosaic", str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.tif")]) == 0
-    with rasterio.open(tmp_path / "a.tif") as file:
         assert np.isnan(file.nodata)
         assert file.descriptions == ("echo relative to the median of the record at its range",)
         assert file.units == ("dB",)
         level = file.read(1)
-        assert np.isnan(level).any()
-        assert np.nanmin(level) >= -40.0
+    assert np.isnan(level).any()
+    assert np.nanmin(level) >= -40.0
 
 
 def test_a_picture_for_google_earth_lies_where_the_map_does(tmp_path, capsys):
