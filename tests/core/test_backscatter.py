@@ -29,7 +29,7 @@ def at(ground, x, y):
     return [ground.names[k] for k in ground.materials[j, i]]
 
 
-def test_values_choose_materials_where_they_lie(tmp_path):
+def test_values_choose_materials_where_they_lie_by_levels_or_by_equal_shares(tmp_path):
     rows = [[-40.0, -30.0, -20.0], [-20.0, -40.0, -30.0]]
     path = write_tiff(tmp_path / "a.tif", rows, **PLACE)
     world = {"crs": "EPSG:32631", "origin": [EAST, NORTH - 4.0]}  # the south-western corner
@@ -39,9 +39,7 @@ def test_values_choose_materials_where_they_lie(tmp_path):
     moved = build_ground(scene(path, world={**world, "origin": [EAST - 2.0, NORTH - 4.0]}, levels=[-35.0, -25.0]))
     assert at(moved, [3.0, 5.0, 7.0], [3.0] * 3) == ["silt", "medium_sand", "rock"]
 
-
-def test_without_levels_materials_have_equal_shares(tmp_path):
-    path = write_tiff(tmp_path / "a.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)), **PLACE)
+    path = write_tiff(tmp_path / "b.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)), **PLACE)
     ground = build_ground(scene(path, world=HERE))
     shares = np.bincount(ground.materials.ravel()) / ground.materials.size
     np.testing.assert_allclose(shares, 1.0 / 3.0, atol=0.01)

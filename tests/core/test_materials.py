@@ -68,10 +68,8 @@ def test_the_lobe_of_a_level_bed_is_the_echo_of_the_mirror_image(name):
     altitude = 10.0
     incidence = np.linspace(0.0, math.pi / 4, 20001)
     ring = 2.0 * math.pi * altitude**2 * np.tan(incidence) / np.cos(incidence) ** 2
-    echo = [
-        backscatter(math.cos(a), 0.0, specular, shininess) * r / (altitude / math.cos(a)) ** 4
-        for a, r in zip(incidence, ring)
-    ]
+    strength = [backscatter(math.cos(a), 0.0, specular, shininess) for a in incidence]
+    echo = strength * ring / (altitude / np.cos(incidence)) ** 4
     image = specular / (2.0 * altitude) ** 2
     assert np.trapezoid(echo, incidence) == pytest.approx(image * (1.0 + 0.5 / (shininess + 1.0)), rel=1e-4)
 
@@ -100,8 +98,6 @@ def test_interfaces_follow_the_ground_and_then_the_targets():
     ]
     arrays = prepare(build({"seabed": {"material": patches}, "targets": balls})).arrays
     silt, rock, steel = MATERIALS["silt"].reflectivity, MATERIALS["rock"].reflectivity, MATERIALS["steel"].reflectivity
-    np.testing.assert_array_equal(
-        arrays.interface,
-        [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
-    )
+    expected = [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)]
+    np.testing.assert_array_equal(arrays.interface, expected)
     assert arrays.interface.shape[0] == arrays.reflectivity.shape[0]
