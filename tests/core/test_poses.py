@@ -68,9 +68,8 @@ def test_a_turn_is_an_arc_of_a_circle(rate):
 
 
 def test_turns_that_overlap_add_up_and_a_circle_stays_one_after_a_hundred_million_pings():
-    turns = [
-        {"kind": "turn", "rate": rate, "begin": begin, "duration": 20.0} for rate, begin in ((4.0, 5.0), (-4.0, 15.0))
-    ]
+    turn = {"kind": "turn", "duration": 20.0}
+    turns = turn | {"rate": 4.0, "begin": 5.0}, turn | {"rate": -4.0, "begin": 15.0}
     found = poses(sum_of(*turns), np.arange(450))
     headings = np.degrees(found.heading)
     np.testing.assert_allclose(headings[150:250], 70.0, rtol=1e-12)
@@ -106,7 +105,7 @@ def test_a_swing_moves_one_thing_and_comes_back(kind, quarter):
     np.testing.assert_allclose(ahead.heading, found.heading, atol=1e-12)
 
 
-def test_a_sum_is_the_sum():
+def test_a_sum_is_the_sum_and_the_line_is_without_the_motion():
     parts = [
         {"kind": "heave", "amplitude": 0.4, "period": 7.0},
         {"kind": "heave", "amplitude": 0.2, "period": 3.0, "phase": 40.0},
@@ -117,6 +116,10 @@ def test_a_sum_is_the_sum():
     alone = [poses(part, pings) for part in parts]
     np.testing.assert_allclose(together.z - 10.0, sum(one.z - 10.0 for one in alone), atol=1e-12)
     np.testing.assert_array_equal(together.heading, alone[2].heading)
+    turn = {"kind": "turn", "begin": 1.0}
+    lines = (tow_line_at(edit(LEVEL, {"track.motion": kind}), pings) for kind in (sum_of("sway", "yaw", turn), turn))
+    for one, other in zip(*lines):
+        np.testing.assert_array_equal(one, other)
 
 
 @settings(max_examples=30, deadline=None)
@@ -180,12 +183,10 @@ def test_a_recorded_tow_is_interpolated(tmp_path, case):
 
 def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
     pings, recorded = np.arange(40), csv(tmp_path, "time,roll\n0,0\n10,10\n")
-    plain, heaving, found, both = (
-        poses(motion, pings) for motion in ("straight", "heave", recorded, sum_of(recorded, "heave"))
-    )
+    motions = "straight", "heave", recorded, sum_of(recorded, "heave")
+    plain, heaving, found, both = (poses(motion, pings) for motion in motions)
     np.testing.assert_allclose(np.degrees(found.roll), pings / 10.0)
-    pairs = (found.x, plain.x), (found.z, plain.z), (both.roll, found.roll), (both.z, heaving.z)
-    for one, other in pairs:
+    for one, other in (found.x, plain.x), (found.z, plain.z), (both.roll, found.roll), (both.z, heaving.z):
         np.testing.assert_array_equal(one, other)
 
 
@@ -197,9 +198,8 @@ def test_a_recorded_altitude_counts_from_the_bed_beneath(tmp_path):
 
 
 def test_a_record_tows_another(tmp_path):
-    motion = sum_of(
-        "heave", "sway", "yaw", "pitch", "roll", {"kind": "turn", "rate": 20.0, "begin": 1.0, "duration": 2.0}
-    )
+    turn = {"kind": "turn", "rate": 20.0, "begin": 1.0, "duration": 2.0}
+    motion = sum_of("heave", "sway", "yaw", "pitch", "roll", turn)
     scene = edit(LEVEL, {"track.motion": motion, "track.pings": 60, "sonar.bins": 20})
     write_record(tmp_path / "first.nc", simulate_blocks(scene))
     again = edit(scene, {"track.motion": {"kind": "recorded", "path": str(tmp_path / "first.nc")}})
@@ -291,14 +291,6 @@ def test_the_bed_of_pictures_is_that_beneath_at_knots_and_near_it_between(tmp_pa
     np.testing.assert_allclose(found, right, atol=0.02 * np.ptp(right))
     exact = np.isclose(pings / apart, np.rint(pings / apart), rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found[exact], right[exact], rtol=1e-12)
-
-
-def test_the_line_is_without_the_motion():
-    scene = edit(LEVEL, {"track.motion": sum_of("sway", "yaw", {"kind": "turn", "begin": 1.0})})
-    turn = edit(LEVEL, {"track.motion": {"kind": "turn", "begin": 1.0}})
-    pings = np.arange(100)
-    for one, other in zip(tow_line_at(scene, pings), tow_line_at(turn, pings)):
-        np.testing.assert_array_equal(one, other)
 
 
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
