@@ -55,15 +55,9 @@ def test_late_recording_fractions_of_a_nanosecond_and_milliseconds_of_the_day_co
 
 
 def test_the_platform_in_the_conventions_of_scenes(tmp_path):
-    east = np.array([-68.0, -68.0, -67.999, -67.999])
-    north = np.array([48.0, 48.0, 48.001, 48.001])
-    pings = [
-        {
-            **PING, "x": round(x * 60e4), "y": round(y * 60e4), "heading": 9000, "pitch": 546, "roll": -1092,
-            "depth": 20_000, "altitude": 5_250,
-        }
-        for x, y in zip(east, north)
-    ]  # fmt: skip
+    places = (-68.0, 48.0), (-68.0, 48.0), (-67.999, 48.001), (-67.999, 48.001)
+    ping = PING | {"heading": 9000, "pitch": 546, "roll": -1092, "depth": 20_000, "altitude": 5_250}
+    pings = [ping | {"x": round(x * 60e4), "y": round(y * 60e4)} for x, y in places]
     record = read_record(write_jsf(tmp_path / "a.jsf", pings))
     np.testing.assert_allclose(record.platform_x, np.array([0, 0.5, 1, 1]) * 74.6286, rtol=1e-4)
     np.testing.assert_allclose(record.platform_y, np.array([0, 0.5, 1, 1]) * 111.2, rtol=1e-3)
