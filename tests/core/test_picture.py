@@ -89,14 +89,11 @@ def test_a_recording_of_hardly_any_altitude_or_without_echoes_has_a_curve(altitu
     np.testing.assert_array_equal(estimate_median_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
 
 
-@pytest.mark.parametrize("shape", [(0,), (0, 5), (3, 4)])
-def test_a_picture_without_echoes_is_dark(shape):
-    silent = np.zeros(shape, dtype=np.float32)
-    assert choose_contrast(silent) == (0.0, 1.0)
-    assert (map_tones(silent, choose_contrast(silent)) == 0).all()
-
-
-def test_contrast_of_even_beds_and_strong_materials_and_targets():
+def test_contrast_of_silence_and_of_even_beds_and_strong_materials_and_targets():
+    for shape in ((0,), (0, 5), (3, 4)):
+        silent = np.zeros(shape, dtype=np.float32)
+        assert choose_contrast(silent) == (0.0, 1.0)
+        assert (map_tones(silent, choose_contrast(silent)) == 0).all()
     bed = np.full((10, 10), 0.3, dtype=np.float32)
     bed[5, 5] = 0.0
     shown = map_tones(bed, choose_contrast(bed))
@@ -133,16 +130,13 @@ def test_columns_keep_the_mean(bins, columns):
     assert shown.max() <= rows.max() * (1 + 1e-6)
 
 
-def test_bins_of_picked_rows_are_averaged_from_near_to_far():
+def test_one_kernel_averages_picked_rows_from_near_to_far_and_edges_that_rows_share_and_drops_no_narrow_echo():
     rng = np.random.default_rng(3)
     rows, picked = rng.random((7, 60), dtype=np.float32), np.array([5, 0, 5, 3])
     edges = np.sort(rng.uniform(0.0, 30.0, (4, 12)), axis=1)
     for bins, held in ((range(29, -1, -1), rows[:, 29::-1]), (range(30, 60), rows[:, 30:])):
         expected = average_columns(np.ascontiguousarray(held[picked]), edges)
         np.testing.assert_array_equal(average_columns(rows, edges, picked=picked, bins=bins), expected)
-
-
-def test_one_kernel_averages_every_second_row_and_edges_that_rows_share_and_drops_no_narrow_echo():
     rows = np.zeros((6, 1000), dtype=np.float32)
     rows[0, 517] = 10.0
     edges = np.linspace(0, 1000, 101)
@@ -150,15 +144,6 @@ def test_one_kernel_averages_every_second_row_and_edges_that_rows_share_and_drop
     known = set(average_bins.entry.signatures)
     average_columns(rows, np.broadcast_to(edges, (3, 101)), picked=np.arange(6)[::2], bins=range(999, -1, -1))
     assert set(average_bins.entry.signatures) == known
-
-
-def test_ground_range_puts_an_echo_where_the_bed_is():
-    sides = np.zeros((3, 2, 5000), dtype=np.float32)
-    altitudes = np.array([8.0, 10.0, 12.0])
-    for ping, altitude in enumerate(altitudes):
-        sides[ping, 1, int(np.hypot(30.05, altitude) / 0.01)] = 1.0
-    edges = compute_column_edges(altitudes, RangeAxis("ground", 5000, 0.01, 48.0), 480)
-    assert mirror_channels(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
 
 
 def test_a_sheet_does_not_depend_on_the_blocks():
@@ -181,7 +166,13 @@ def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
     assert resample_rows(rows, 1).ravel().tolist() == [2]
 
 
-def test_ground_range_shows_no_water_column_and_needs_a_bed_within_range():
+def test_ground_range_puts_an_echo_where_the_bed_is_without_water_column_and_needs_a_bed_within_range():
+    sides = np.zeros((3, 2, 5000), dtype=np.float32)
+    altitudes = np.array([8.0, 10.0, 12.0])
+    for ping, altitude in enumerate(altitudes):
+        sides[ping, 1, int(np.hypot(30.05, altitude) / 0.01)] = 1.0
+    edges = compute_column_edges(altitudes, RangeAxis("ground", 5000, 0.01, 48.0), 480)
+    assert mirror_channels(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
     slant = gather_sheet([record_], even(), 4, DisplayOptions(side="port"))
@@ -275,14 +266,11 @@ def test_without_water_a_picture_begins_at_the_first_echo_of_each_ping() -> None
     np.testing.assert_array_equal(turned.amplitude, upright.amplitude[::-1])
 
 
-def test_gains_of_a_side_and_over_range() -> None:
+def test_tones_by_gains_of_a_side_and_over_range_of_palettes_linear_in_decibels_and_turned_round() -> None:
     factors = side_factors(DisplayOptions(side_gains=(6.0, 0.0), side_slopes=(0.0, 20.0)), 1000)
     np.testing.assert_allclose(factors[0], 10.0**0.3, rtol=1e-6)
     np.testing.assert_allclose(20.0 * np.log10(factors[1, [49, 499, 999]]), [-20.0, 0.0, 6.02], atol=0.1)
     assert side_factors(DisplayOptions(), 1000) is None
-
-
-def test_tones_by_gain_of_a_palette_linear_in_decibels_and_of_one_turned_round() -> None:
     amplitude = np.array([0.25, np.nan], dtype=np.float32)
     assert (map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))).all()
     assert map_tones(amplitude, (0.0, 1.0), gain=60.0).tolist() == [255, 0], "not a number is silence"
@@ -331,7 +319,7 @@ def test_a_bed_without_a_finite_height_has_the_curve_of_the_least_or_greatest_al
     np.testing.assert_array_equal(found[0], found[1])
 
 
-def test_every_option_is_read_back_and_a_whole_number_passes_for_a_gain() -> None:
+def test_every_option_is_read_back_and_a_mistake_names_option_and_value() -> None:
     usual = DisplayOptions()
     switched = {name: not value for name, value in usual._asdict().items() if isinstance(value, bool)}
     names = {"side": "port", "palette": "grey", "scale": "true"}
@@ -340,16 +328,11 @@ def test_every_option_is_read_back_and_a_whole_number_passes_for_a_gain() -> Non
     assert all(one != other for one, other in zip(changed, usual))
     assert DisplayOptions(**read_display(display_settings(changed))) == changed
     assert display_settings(usual) == []
-    assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
-
-
-MISTAKES = ("colour=red", 'palette="mauve"', "reverse=1", "gain=true", "gain=nan", "levels=[1]", "water_column")
-
-
-@pytest.mark.parametrize("setting", [*MISTAKES, 'side_gains=[0, "a"]'])
-def test_a_mistake_names_option_and_value(setting: str) -> None:
-    with pytest.raises(SceneError, match=f"--display .*{setting.split('=')[0]}"):
-        read_display([setting])
+    assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}  # whole numbers
+    mistakes = ("colour=red", 'palette="mauve"', "reverse=1", "gain=true", "gain=nan", "levels=[1]", "water_column")
+    for setting in (*mistakes, 'side_gains=[0, "a"]'):
+        with pytest.raises(SceneError, match=f"--display .*{setting.split('=')[0]}"):
+            read_display([setting])
 
 
 def test_the_command_draws_by_the_options(tmp_path: Path) -> None:
