@@ -75,11 +75,8 @@ def test_a_split_is_a_folder_on_every_system(splits, fault, tmp_path, monkeypatc
 def test_on_windows_an_output_of_no_possible_name_is_refused_before_the_work(tmp_path, monkeypatch):
     """A colon would write into a stream beside a file, a device would take the picture, and a long path exists not."""
     monkeypatch.setattr(operating_system.sys, "platform", "win32")
-    for name, fault in (
-        ("a:b.png", "not a name of a file"),
-        ("aux.png", "not a name of a file"),
-        (220 * "x" + ".png", "too many"),
-    ):
+    long = 220 * "x" + ".png"
+    for name, fault in {"a:b.png": "not a name of a file", "aux.png": "not a name of a file", long: "too many"}.items():
         with pytest.raises(SceneError, match=fault):
             check_output(str(tmp_path / name), (".png",))
     assert check_output(str(tmp_path / "record.png"), (".png",)) == tmp_path / "record.png"
