@@ -8,15 +8,8 @@ import insonify
 from commands import refused
 from insonify.acoustics.pulses import pulse_taps
 from insonify.cli import main
-from insonify.inversion.bed_parameters import (
-    BedParameters,
-    PowerLaw,
-    choose_grid,
-    choose_speckle,
-    realised_rms,
-    set_bed,
-    variance_of_looks,
-)
+from insonify.inversion import bed_parameters
+from insonify.inversion.bed_parameters import PowerLaw, choose_speckle, variance_of_looks
 from insonify.inversion.footprint import footprint_of
 from insonify.inversion.learning import DIFFERS, MATCHED, UNKNOWN
 from insonify.inversion.roughness_fit import fit_roughness
@@ -123,7 +116,7 @@ def test_variance_of_speckle():
 
 @pytest.mark.parametrize("law", [PowerLaw(-9.0, 1.1), PowerLaw(-11.5, 2.1)])
 def test_the_learned_relief_has_the_spectral_density_asked_for(scene, law):
-    made = set_bed(scene, BedParameters(law, None, 0.0, 0.1, True))
+    made = bed_parameters.set_bed(scene, bed_parameters.BedParameters(law, None, 0.0, 0.1, True))
     heights = insonify.relief(made.seabed, seed=made.seed)
     spacing, size = made.seabed.spacing, heights.shape[0]
     power = np.abs(np.fft.fft2(heights)) ** 2 * spacing**2 / heights.size
@@ -132,7 +125,8 @@ def test_the_learned_relief_has_the_spectral_density_asked_for(scene, law):
     ring = (distance > 0.3) & (distance < 2.0)
     expected = np.exp(law.log_level) * distance[ring] ** (-2.0 * law.exponent)
     np.testing.assert_allclose(power[ring], expected, rtol=2e-3)
-    assert heights.std() == pytest.approx(realised_rms(law, *choose_grid(scene)), rel=1e-4)
+    rms = bed_parameters.realised_rms(law, *bed_parameters.choose_grid(scene))
+    assert heights.std() == pytest.approx(rms, rel=1e-4)
 
 
 def test_levels_by_range_and_by_angle_are_separated():

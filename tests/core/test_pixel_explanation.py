@@ -161,7 +161,7 @@ def test_a_target_off_the_axis_has_the_response_there():
 
 
 @pytest.mark.usefixtures("fixed_model")
-def test_places_and_rays_lie_where_the_slant_range_says():
+def test_places_and_rays_lie_where_the_slant_range_says_and_bent_rays_come_down_there():
     simulation = prepared({})
     ground = simulation.ground
     for pixel in (150, 260):
@@ -176,6 +176,13 @@ def test_places_and_rays_lie_where_the_slant_range_says():
             for ray in each.rays:
                 np.testing.assert_allclose(ray[0], sonar)
                 assert (ray[:, 1] > 0.0).sum() == len(ray) - 1  # port is +y
+    simulation = prepared(SCENES["bent"])
+    bed = explain_pixel(simulation, 10, 0, 300).contributions[0]
+    for ray in bed.rays:
+        assert len(ray) > 10
+        assert np.linalg.norm(ray[-1] - ray[-2]) < 0.05  # the ray by its launch angle ends at the place
+    middle = bed.places.mean(axis=1)
+    np.testing.assert_allclose(middle[:, 2], simulation.ground.height_at(middle[:, 0], middle[:, 1]), atol=0.03)
 
 
 HIDING = {"kind": "pipe", "position": [10.0, 15.0], "radius": 1.0, "length": 20.0, "material": "steel"}
@@ -252,19 +259,6 @@ def test_ghosts_go_by_the_surface_take_as_long_as_they_are_recorded_and_are_amon
     ghost = next(each for each in listeners if each.path == "surface_bottom" and each.ping == 60)
     sources = {(each.source, each.path) for each in explain_pixel(simulation, 60, 1, ghost.bin).contributions}
     assert ("sphere 2", "surface_bottom") in sources
-
-
-@pytest.mark.usefixtures("fixed_model")
-def test_bent_rays_come_down_where_the_bed_returns_the_sound():
-    simulation = prepared(SCENES["bent"])
-    explained = explain_pixel(simulation, 10, 0, 300)
-    bed = explained.contributions[0]
-    for ray in bed.rays:
-        assert len(ray) > 10
-        assert np.linalg.norm(ray[-1] - ray[-2]) < 0.05  # the ray by its launch angle ends at the place
-    middle = bed.places.mean(axis=1)
-    ground = simulation.ground.height_at(middle[:, 0], middle[:, 1])
-    np.testing.assert_allclose(middle[:, 2], ground, atol=0.03)
 
 
 @pytest.mark.usefixtures("fixed_model")
