@@ -20,12 +20,15 @@ def made_echo(edges, bins=400, contrast=100.0, speckle=True, ringing=0):
     return (mean * (rng.exponential(size=mean.shape) if speckle else 1.0)).astype(np.float32)
 
 
-def test_a_clean_edge_is_found_to_half_a_bin():
+def test_a_clean_edge_is_found_to_half_a_bin_whatever_the_unit_of_intensity():
     edges = 100.0 + np.round(30.0 * np.sin(np.arange(80) / 9.0))
     found = track_bottom(made_echo(edges, speckle=False), 0.1)
     # The steadiest course cuts a peak of one ping by a bin.
     np.testing.assert_allclose(found, 0.1 * edges, atol=0.1501)
     assert np.mean(np.abs(found - 0.1 * edges) < 0.0501) > 0.9
+    echo = made_echo(np.full(20, 90.0))
+    for gain in (1e-12, 1e8):
+        np.testing.assert_array_equal(track_bottom(np.float32(gain) * echo, 1.0), track_bottom(echo, 1.0))
 
 
 def test_speckle_and_the_transmitted_pulse_and_fish_in_the_water_and_dropped_pings_do_not_move_it():
@@ -40,12 +43,6 @@ def test_speckle_and_the_transmitted_pulse_and_fish_in_the_water_and_dropped_pin
     echo[:, 70:74] = 0.0
     echo[:, 80] = 1.0
     assert np.abs(track_bottom(echo, 1.0) - edges).max() < 4.0
-
-
-@pytest.mark.parametrize("gain", [1.0, 1e-12, 1e8])
-def test_the_unit_of_intensity_does_not_matter(gain):
-    echo = made_echo(np.full(20, 90.0))
-    np.testing.assert_array_equal(track_bottom(np.float32(gain) * echo, 1.0), track_bottom(echo, 1.0))
 
 
 RANDOM = np.random.default_rng(1).exponential(size=(2, 40, 300))

@@ -87,7 +87,7 @@ def test_no_ray_slips_through_an_edge_or_a_corner(centre):
     assert (what == 0).all()
 
 
-def test_boxes_that_lie_along_the_axes_do_not_leak():
+def test_boxes_that_lie_along_the_axes_and_walls_at_grazing_do_not_leak():
     # Rays exactly along axes, along faces' planes, through edges and corners of a cube on integers.
     mesh = box_mesh((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     places = np.array([(x, y) for x in (0.0, 0.25, 0.5, 1.0) for y in (0.0, 0.25, 0.5, 1.0)])
@@ -99,6 +99,16 @@ def test_boxes_that_lie_along_the_axes_do_not_leak():
             assert (what == 0).all()
             np.testing.assert_allclose(distance, 4.0, atol=1e-12)
             np.testing.assert_array_equal(normal[(places == 0.25).any(1)][0], -direction)
+    # A wall seen at 0.001 rad, cut into strips: every ray meets it, nearer rays nearer.
+    y = np.linspace(0.0, 100.0, 201)
+    vertices = np.concatenate([np.column_stack([y, 0 * y, 0 * y]), np.column_stack([y, 0 * y, 0 * y + 1.0])])
+    k = np.arange(200)
+    faces = np.concatenate([np.column_stack([k, k + 1, k + 202]), np.column_stack([k, k + 202, k + 201])])
+    across = np.linspace(0.01, 0.09, 500)
+    origins = np.column_stack([np.full(500, -1.0), across, np.full(500, 0.5)])
+    distance, what, _ = rays.cast(alone(mesh_of(vertices, faces)), origins, (1.0, -0.001, 0.0), reach=1e3)
+    assert (what == 0).all()
+    np.testing.assert_allclose(distance, across / 0.001 * math.hypot(1.0, 0.001), rtol=1e-12)
 
 
 @pytest.mark.parametrize(("law", "half_width"), [(SONAR, 0.0), (SONAR, 0.02), (LIGHT, 0.0)])
@@ -117,19 +127,6 @@ def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
     mesh = arrays_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, *above[::-1])), **options)
     one, other = (rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=1 << 15)[0, 0] for arrays in (mesh, sphere))
     assert np.linalg.norm(one - other) < 0.03 * np.linalg.norm(other)
-
-
-def test_grazing_rays_meet_a_wall_of_triangles():
-    # A wall seen at 0.001 rad, cut into strips: every ray meets it, nearer rays nearer.
-    y = np.linspace(0.0, 100.0, 201)
-    vertices = np.concatenate([np.column_stack([y, 0 * y, 0 * y]), np.column_stack([y, 0 * y, 0 * y + 1.0])])
-    k = np.arange(200)
-    faces = np.concatenate([np.column_stack([k, k + 1, k + 202]), np.column_stack([k, k + 202, k + 201])])
-    across = np.linspace(0.01, 0.09, 500)
-    origins = np.column_stack([np.full(500, -1.0), across, np.full(500, 0.5)])
-    distance, what, _ = rays.cast(alone(mesh_of(vertices, faces)), origins, (1.0, -0.001, 0.0), reach=1e3)
-    assert (what == 0).all()
-    np.testing.assert_allclose(distance, across / 0.001 * math.hypot(1.0, 0.001), rtol=1e-12)
 
 
 @pytest.mark.parametrize("turn", [{}, {"heading": 30.0, "pitch": 20.0, "roll": -50.0}])

@@ -146,16 +146,13 @@ def test_one_kernel_averages_picked_rows_from_near_to_far_and_edges_that_rows_sh
     assert set(average_bins.entry.signatures) == known
 
 
-def test_a_sheet_does_not_depend_on_the_blocks():
+def test_a_sheet_does_not_depend_on_the_blocks_and_is_bounded_by_rows_that_stretch_and_average():
     whole = record(np.random.default_rng(2).random((2, 50, BINS)))
     curve = np.linspace(2.0, 1.0, BINS)
     parts = [whole.isel(ping_time=slice(a, b)) for a, b in ((0, 7), (7, 8), (8, 50))]
     at_once, in_parts = (gather_sheet(blocks, even(curve), 50, DisplayOptions()) for blocks in ([whole], parts))
     np.testing.assert_array_equal(at_once.amplitude, in_parts.amplitude)
     assert (at_once.along, in_parts.along, at_once.reach) == pytest.approx((10.0, 10.0, REACH))
-
-
-def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
     block = record(np.ones((2, 1000, 8)))
     sheet = gather_sheet((block for _ in range(9)), even(bins=8), 9000, DisplayOptions(side="port"))
     assert sheet.pings == 9000
@@ -208,16 +205,13 @@ def test_any_title_can_be_drawn(tmp_path, title):
     assert (tmp_path / "page.png").stat().st_size > 1000
 
 
-def test_the_summary_names_what_was_set():
+def test_the_summary_names_what_was_set_and_ticks_lie_where_the_bar_has_their_amplitude():
     scene = edit(load_scene("default"), {"sonar.beam": "knife", "sonar.law": "light", "track.altitude": 12})
     line = caption_scene(scene, DisplayOptions(gain=6.0)).line
     assert all(said in line for said in ("altitude 12 m", "knife-edge beam", "law light", "gain +6 dB"))
     assert "vertical" not in line
     tilted = edit(scene, {"sonar.vertical": {"kind": "gaussian", "width": 45.0, "tilt": 20.0}})
     assert "vertical gaussian 45° tilted 20°" in caption_scene(tilted, DisplayOptions()).line
-
-
-def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():
     for place, text in place_decibel_ticks((0.1, 2.0), gain=6.0):
         assert 20 * np.log10(0.1 + place * 1.9) - 6.0 == pytest.approx(float(text.replace("−", "-")))
     for place, text in place_decibel_ticks((0.1, 1.0), gain=0.0, decibels=True):
