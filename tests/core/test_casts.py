@@ -79,7 +79,7 @@ def test_few_points_keep_to_a_real_cast(casts, interpolation):
         assert (np.diff(layers.depth) > 0.0).all()
 
 
-def test_soak_raise_and_way_up_are_told_from_the_descent(tmp_path):
+def test_soak_raise_and_way_up_are_told_from_the_descent_and_flagged_and_missing_scans_left_out(tmp_path):
     # Down to 8 m, a minute's wait, up to 1 m, down to 30 m, up; the water of the first way is not the water's own.
     depth = np.concatenate([np.arange(0.2, 8, 0.2), np.full(240, 8.0), np.arange(8, 1, -0.2), np.arange(1, 30, 0.2)])
     depth = np.concatenate([depth, depth[:-20:-1], np.arange(26, 0, -0.2)])
@@ -92,16 +92,13 @@ def test_soak_raise_and_way_up_are_told_from_the_descent(tmp_path):
     np.testing.assert_array_equal(cast.salinity, 35.0)
     assert cast.depth[0] < 1.5
     assert cast.depth[-1] > 29.0
-
-
-def test_flagged_and_missing_scans_are_left_out(tmp_path):
     names = ["prDM: Pressure, Digiquartz [db]", "t068C: Temperature", "sal00: Salinity", "svCM: Velocity", "flag: flag"]
     bad = -9.99e-29
     rows = [(d, 10.0024, 35.0, 1500.0 + d, 0.0) for d in range(1, 21)]
     rows[4] = (5, 10.0, 35.0, 9999.0, bad)
     rows[9] = (10, 10.0, 35.0, bad, 0.0)
     rows[14] = (-9.99e-29, 10.0, 35.0, 9999.0, 0.0)
-    cast = read_cast(seabird(tmp_path / "cast.cnv", names, rows))
+    cast = read_cast(seabird(tmp_path / "flagged.cnv", names, rows))
     assert cast.depth.size == 17
     assert cast.sound_speed.max() == 1520.0
     np.testing.assert_allclose(cast.depth[0], -gsw.z_from_p(1.0, 45.0))

@@ -54,7 +54,7 @@ def test_late_recording_fractions_of_a_nanosecond_and_milliseconds_of_the_day_co
     np.testing.assert_allclose(record.ping_time, 0.25 * np.arange(5), atol=1e-6)
 
 
-def test_the_platform_in_the_conventions_of_scenes(tmp_path):
+def test_the_platform_is_in_the_conventions_of_scenes_and_what_is_not_valid_is_not_a_number(tmp_path):
     places = (-68.0, 48.0), (-68.0, 48.0), (-67.999, 48.001), (-67.999, 48.001)
     ping = PING | {"heading": 9000, "pitch": 546, "roll": -1092, "depth": 20_000, "altitude": 5_250}
     pings = [ping | {"x": round(x * 60e4), "y": round(y * 60e4)} for x, y in places]
@@ -67,6 +67,12 @@ def test_the_platform_in_the_conventions_of_scenes(tmp_path):
     np.testing.assert_allclose(record.platform_depth, 20.0)
     np.testing.assert_allclose(record.platform_altitude, 5.25)
     assert "+lat_0=48.0 +lon_0=-68.0" in record.attrs["crs"]
+    pings = [{**PING, "validity": 1 << 6, "altitude": 5000, "heading": 100, "depth": 7000, "x": 1, "y": 1}] * 2
+    record = read_record(write_jsf(tmp_path / "b.jsf", pings))
+    np.testing.assert_allclose(record.platform_altitude, 5.0)
+    for name in ("depth", "heading", "pitch", "roll"):
+        assert np.isnan(record[f"platform_{name}"]).all()
+    assert "origin_x" not in record.attrs
 
 
 @pytest.mark.parametrize(("units", "metres"), [(1, 1e-3), (3, 0.1), (4, 0.01)])
@@ -86,15 +92,6 @@ def test_each_subsystem_can_be_read(tmp_path, wanted, frequency):
     np.testing.assert_allclose(record.attrs["frequency"], frequency)
     assert record.attrs["frequencies"] == "410000, 887680"
     assert record.sizes["ping_time"] == 2
-
-
-def test_what_is_not_valid_is_not_a_number(tmp_path):
-    pings = [{**PING, "validity": 1 << 6, "altitude": 5000, "heading": 100, "depth": 7000, "x": 1, "y": 1}] * 2
-    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
-    np.testing.assert_allclose(record.platform_altitude, 5.0)
-    for name in ("depth", "heading", "pitch", "roll"):
-        assert np.isnan(record[f"platform_{name}"]).all()
-    assert "origin_x" not in record.attrs
 
 
 @pytest.mark.parametrize("less", [5, 250, 3 * 248 + 20])

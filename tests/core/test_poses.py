@@ -181,16 +181,13 @@ def test_a_recorded_tow_is_interpolated(tmp_path, case):
         np.testing.assert_allclose(column if name in "xyz" else np.degrees(column), values, atol=1e-12, err_msg=name)
 
 
-def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
+def test_what_a_file_leaves_out_is_as_without_it_and_its_altitude_counts_from_the_bed_beneath(tmp_path):
     pings, recorded = np.arange(40), csv(tmp_path, "time,roll\n0,0\n10,10\n")
     motions = "straight", "heave", recorded, sum_of(recorded, "heave")
     plain, heaving, found, both = (poses(motion, pings) for motion in motions)
     np.testing.assert_allclose(np.degrees(found.roll), pings / 10.0)
     for one, other in (found.x, plain.x), (found.z, plain.z), (both.roll, found.roll), (both.z, heaving.z):
         np.testing.assert_array_equal(one, other)
-
-
-def test_a_recorded_altitude_counts_from_the_bed_beneath(tmp_path):
     scene = edit(load_scene("default"), {"track.motion": csv(tmp_path, "time,altitude\n0,10\n10,12\n"), "targets": []})
     ground, pings = build_ground(scene), np.arange(80)
     found = make_poses(scene, ground, pings)
@@ -256,7 +253,7 @@ def dem(folder, heights, **changes):
     return scene, build_ground(scene)
 
 
-def test_up_a_slope_a_following_fish_keeps_its_altitude(tmp_path):
+def test_a_following_fish_keeps_its_altitude_up_a_slope_takes_a_step_smoothly_and_passes_over_a_hole(tmp_path):
     slope = np.broadcast_to(-40.0 + SLOPE * 0.5 * np.arange(401), (401, 401)).copy()
     scene, ground = dem(tmp_path, slope, heading=0.0, start=[-60.0, 0.0])
     found = make_poses(scene, ground, np.arange(600))
@@ -266,9 +263,6 @@ def test_up_a_slope_a_following_fish_keeps_its_altitude(tmp_path):
     some = np.array([690, 3, 250, 251])
     whole = interpolate_bed_beneath(scene, ground, np.arange(700))
     np.testing.assert_array_equal(whole[some], interpolate_bed_beneath(scene, ground, some))
-
-
-def test_a_following_fish_takes_a_step_smoothly_and_keeps_its_height_over_a_hole(tmp_path):
     heights = np.full((401, 401), -40.0)
     heights[:, 200:] = -36.0  # a scarp of 4 m at x = 0
     heights[:, 300:340] = np.nan  # 20 m without a bed, from x = 50 on
