@@ -167,7 +167,7 @@ def test_a_fault_comes_back_and_the_next_file_is_read(file, reader, error, words
     assert run_isolated(chatter, file) == 3
 
 
-def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
+def test_a_process_that_is_interrupted_or_killed_is_started_anew(file, monkeypatch):
     run_isolated(chatter, file)
     process = isolation._child
     with monkeypatch.context() as patched:
@@ -176,16 +176,11 @@ def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypat
             run_isolated(give, file)
     assert process.process.poll() is not None
     assert run_isolated(chatter, file) == 3
-
-
-@pytest.mark.parametrize("while_asked", [False, True])
-def test_a_process_that_has_ended_is_started_anew(file, while_asked, monkeypatch):
-    run_isolated(chatter, file)
-    isolation._child.process.kill()
-    isolation._child.process.wait()
-    if while_asked:
-        monkeypatch.setattr(child_process.ChildProcess, "is_usable", lambda _: True)
-    assert run_isolated(chatter, file) == 3
+    for is_usable in (child_process.ChildProcess.is_usable, lambda _: True):  # before it is asked, or while it is
+        isolation._child.process.kill()
+        isolation._child.process.wait()
+        monkeypatch.setattr(child_process.ChildProcess, "is_usable", is_usable)
+        assert run_isolated(chatter, file) == 3
 
 
 def test_an_idle_process_ends(file):
