@@ -126,7 +126,7 @@ def term(explained, name):
     return next(each.decibels for each in explained.terms if each.name == name)
 
 
-def test_terms_over_a_level_bed_are_the_sonar_equation_and_the_vertical_beam_one_of_its_own():
+def test_terms_over_a_level_bed_are_the_sonar_equation_and_beams_have_their_response_off_the_axis():
     explained = explain_pixel(flat(water__absorption=100.0, receiver__source_level=200.0), 10, 0, 250)
     r, length = 25.05, 0.1
     # A strip r Θ wide and Δr / cosθ long, θ the grazing angle.
@@ -146,9 +146,6 @@ def test_terms_over_a_level_bed_are_the_sonar_equation_and_the_vertical_beam_one
     explained = explain_pixel(flat(sonar__vertical=beam), 10, 0, 250)
     off = math.sin(math.asin(10.0 / 25.05) - math.radians(20.0)) / math.sin(math.radians(20.0))
     assert term(explained, "beam vertically") == pytest.approx(-2.0 * 10.0 * math.log10(2.0) * off * off, abs=0.05)
-
-
-def test_a_target_off_the_axis_has_the_response_there():
     # A small ball over a dark bed: all that the bin holds lies at nearly the same azimuth.
     ball = {"kind": "sphere", "position": [10.3, -20.0, -25.0], "radius": 0.04, "material": "rock"}
     beam = {"kind": "gaussian", "width": 2.0}
