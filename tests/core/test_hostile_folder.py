@@ -29,10 +29,6 @@ explain default --ping 3 --range 25
 mosaic record.nc -o mosaic.tif
 """
 # The process that reads files is part of the commands above; that which compiles is in compiler/test_processes.py.
-STARTING = (  # workers, both in the same way
-    pytest.param("survey survey.toml -o survey", marks=pytest.mark.slow),
-    "dataset set.toml -o set",
-)
 ONE_AFTER_THE_OTHER = """
 import sys
 from insonify.__main__ import load
@@ -61,10 +57,13 @@ def test_commands_import_nothing_of_the_current_folder(folder):
     assert not (folder / "stranger").exists()
 
 
-@pytest.mark.parametrize("words", STARTING)
+# Both start workers in the same way.
+@pytest.mark.parametrize("words", [pytest.param("survey survey.toml", marks=pytest.mark.slow), "dataset set.toml"])
 def test_workers_import_nothing_of_the_current_folder(folder, words):
     installed = Path(sys.executable).with_name("insonify")
-    code, *told = run_python(str(installed), *words.split(), "--scheduler", "local:1", cwd=folder)
+    code, *told = run_python(
+        str(installed), *words.split(), "-o", words.split()[0], "--scheduler", "local:1", cwd=folder
+    )
     assert (code, traces(folder)) == (0, set()), told
 
 
