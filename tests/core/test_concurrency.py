@@ -25,12 +25,6 @@ def expected() -> dict[str, np.ndarray]:
     return {name: echoes(name) for name in SCENES}
 
 
-def test_four_threads_simulate_at_once(expected):
-    with ThreadPoolExecutor(4) as pool:
-        for name, found in zip(SCENES * 2, pool.map(echoes, SCENES * 2)):
-            np.testing.assert_array_equal(found, expected[name])
-
-
 @pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf"])
 def test_four_threads_write_and_read_at_once(tmp_path, suffix):
     def exchange(number: int) -> np.ndarray:
@@ -46,7 +40,7 @@ def test_four_threads_write_and_read_at_once(tmp_path, suffix):
     assert len(list(tmp_path.iterdir())) == 4
 
 
-def test_four_threads_are_refused_at_once(tmp_path):
+def test_four_threads_simulate_and_are_refused_at_once(expected, tmp_path):
     def refused(number: int) -> str:
         (tmp_path / f"{number}.tif").write_text("not a raster")
         with pytest.raises(SceneError) as caught:
@@ -54,6 +48,8 @@ def test_four_threads_are_refused_at_once(tmp_path):
         return str(caught.value)
 
     with ThreadPoolExecutor(4) as pool:
+        for name, found in zip(SCENES * 2, pool.map(echoes, SCENES * 2)):
+            np.testing.assert_array_equal(found, expected[name])
         for number, told in enumerate(pool.map(refused, range(4))):
             assert f"{number}.tif' cannot be read" in told
 
