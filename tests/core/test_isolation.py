@@ -183,12 +183,6 @@ def test_a_process_that_is_interrupted_or_killed_is_started_anew(file, monkeypat
         assert run_isolated(chatter, file) == 3
 
 
-def test_an_idle_process_ends(file):
-    lines = "from insonify.io import isolation; isolation.IDLE = 0.2; isolation.main()"
-    with subprocess.Popen([sys.executable, "-c", lines], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as idle:
-        assert idle.wait(timeout=120) == 0
-
-
 def ask(file: str, answers: object) -> None:
     answers.put(run_isolated(give, file)["process"])
 
@@ -208,7 +202,10 @@ def test_other_processes_have_one_of_their_own(file, method):
     assert run_isolated(give, file)["process"] == mine
 
 
-def test_a_program_that_ends_leaves_no_process(file):
+def test_an_idle_process_ends_and_a_program_that_ends_leaves_none(file):
+    lines = "from insonify.io import isolation; isolation.IDLE = 0.2; isolation.main()"
+    with subprocess.Popen([sys.executable, "-c", lines], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as idle:
+        assert idle.wait(timeout=120) == 0
     lines = (
         "import sys; from insonify.io.isolation import run_isolated; from test_isolation import give\n"
         "print(run_isolated(give, sys.argv[1])['process'])"
