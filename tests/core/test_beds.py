@@ -179,7 +179,7 @@ def test_real_bag_has_negative_elevations_and_gaps_and_one_of_varying_resolution
     assert np.nanmin(grid.heights) == pytest.approx(-13.727, abs=1e-3)
 
 
-def test_degrees_are_projected_to_the_utm_zone_of_the_place(tmp_path):
+def test_degrees_are_projected_to_the_utm_zone_of_the_place_and_a_local_system_is_no_place_on_earth(tmp_path):
     """A plane that slopes in metres on the map, sampled in degrees, is that plane again."""
     spacing = 2e-5  # degrees, 2.2 m
     lon, lat = 10.0 + spacing * (np.arange(80) + 0.5), 55.0 - spacing * (np.arange(60) + 0.5)
@@ -202,6 +202,11 @@ def test_degrees_are_projected_to_the_utm_zone_of_the_place(tmp_path):
     place = scene(path).seabed.relief.georeference(None)
     assert place.crs == "EPSG:32632"
     np.testing.assert_allclose(place.origin, to_utm.transform(lon.mean(), lat.mean()), atol=4.0)
+    local = 'LOCAL_CS["harbour",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]]'
+    grid = read_grid(str(write_tiff(tmp_path / "bed.tif", sloped(3, 3), crs=local)))
+    assert (grid.crs, grid.spacing) == ("", (2.0, 2.0))
+    with pytest.raises(SceneError, match=r"^crs 'LOCAL_CS.* cannot be transformed to 'EPSG:4326'; give one on Earth"):
+        project(local, DEGREES, np.zeros(1), np.zeros(1))
 
 
 def test_depths_are_recognised_or_asked_about(tmp_path):
@@ -237,14 +242,6 @@ def test_an_undeclared_nodata_value_is_refused(tmp_path, value):
             read_grid(str(path))
     np.save(tmp_path / "trench.npy", -9990.0 - np.arange(20.0).reshape(4, 5))  # a trench may be that deep
     assert np.isfinite(read_grid(str(tmp_path / "trench.npy")).heights).all()
-
-
-def test_a_local_system_of_coordinates_is_no_place_on_earth(tmp_path):
-    local = 'LOCAL_CS["harbour",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]]'
-    grid = read_grid(str(write_tiff(tmp_path / "bed.tif", sloped(3, 3), crs=local)))
-    assert (grid.crs, grid.spacing) == ("", (2.0, 2.0))
-    with pytest.raises(SceneError, match=r"^crs 'LOCAL_CS.* cannot be transformed to 'EPSG:4326'; give one on Earth"):
-        project(local, DEGREES, np.zeros(1), np.zeros(1))
 
 
 # Random detail between the nodes of a measured bed

@@ -115,7 +115,7 @@ def test_noise_and_spiky_speckle_are_no_shadows(level):
         assert np.isnan(found.shadow_depth)
 
 
-def test_eight_bits_measure_as_the_amplitudes_that_they_round_and_tell_how_deep_a_silent_shadow_is_at_least():
+def test_eight_bits_measure_as_the_amplitudes_that_they_round_where_none_clips_or_falls_below_the_steps():
     even = speckle(1) * 1e4
     fine = record(shadowed(even) + 1e4 * 10.0**-1.5 * speckle(2))
     coarse = fine.assign(intensity=(fine.intensity.dims, converted(fine.intensity.values, 2e5).astype(np.float32)))
@@ -127,9 +127,6 @@ def test_eight_bits_measure_as_the_amplitudes_that_they_round_and_tell_how_deep_
     median = np.sqrt(np.log(2.0) / 25.0) * 255.0
     assert silent.shadow_depth == pytest.approx(20.0 * np.log10(2.0 * median), abs=2.0)
     assert f"shadows at least {silent.shadow_depth:.1f} dB deep" in silent.lines()
-
-
-def test_what_clips_or_falls_below_the_steps_is_not_counted_as_even():
     r = (np.arange(BINS) + 0.5) * BIN
     bed = speckle(1) * 1e4 * 10.0 ** (-r / 5.0)  # 51 dB from near to far: clipped here, one step there
     found = measure_statistics(record(converted(bed, 2e3)))

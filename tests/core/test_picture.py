@@ -51,23 +51,11 @@ def even(level=1.0, bins: int = BINS):
     return lambda intensity, pings: normalise(intensity, np.broadcast_to(level, (len(pings), 1, bins)))
 
 
-@pytest.mark.parametrize("name", PALETTES)
-def test_palettes_run_one_way_in_lightness(name):
-    lightness = load_palette(name).astype(float) @ np.array([0.2126, 0.7152, 0.0722])
-    assert lightness.shape == (256,)
-    # A pen marks strong echoes dark.
-    assert (np.diff(lightness) < 0.5).all() if name == "pen" else (np.diff(lightness) > -0.5).all()
-    assert name != "pen" or (lightness[0] > 220 and lightness[-1] < 40)
-
-
-def test_a_flat_bed_is_even_and_its_curve_is_held_before_the_first_return():
+def test_a_flat_and_a_recorded_lambert_bed_are_even_and_the_curve_of_one_is_held_before_the_first_return():
     curve = np.geomspace(1e-2, 1e-9, BINS)
     np.testing.assert_allclose(normalise((0.25 * curve).astype(np.float32), curve), 0.5, rtol=1e-6)  # √ of its albedo
     assert extend_to_water_column(np.array([0.0, 0.0, 1.0, 3.0, 2.0])).tolist() == [3.0, 3.0, 3.0, 3.0, 2.0]
     assert extend_to_water_column(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
-
-
-def test_a_recorded_lambert_bed_is_even_at_every_altitude():
     r = (np.arange(BINS) + 0.5) * REACH / BINS
     altitude = np.linspace(4.0, 12.0, 30)
     gain = 1e6 * np.exp(-r / 20.0)  # whatever the recorder does with range
@@ -218,7 +206,13 @@ def test_the_summary_names_what_was_set_and_ticks_lie_where_the_bar_has_their_am
         assert place == pytest.approx(1.0 + float(text.replace("−", "-")) / 20.0)
 
 
-def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
+def test_palettes_run_one_way_in_lightness_and_another_is_one_new_file(tmp_path, monkeypatch):
+    for name in PALETTES:
+        lightness = load_palette(name).astype(float) @ np.array([0.2126, 0.7152, 0.0722])
+        assert lightness.shape == (256,)
+        # A pen marks strong echoes dark.
+        assert (np.diff(lightness) < 0.5).all() if name == "pen" else (np.diff(lightness) > -0.5).all()
+        assert name != "pen" or (lightness[0] > 220 and lightness[-1] < 40)
     with pytest.raises(SceneError, match="'jet' is not known; choose one of copper, grey, pen"):
         load_palette("jet")
     (tmp_path / "palettes").mkdir()
