@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from collections import deque
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from unittest.mock import Mock
 
 import pytest
@@ -58,14 +58,11 @@ def test_no_more_threads_work_than_allowed(threads):
 def test_several_callers_share_one_pool():
     names = set()
 
-    def call():
+    def call(_):
         in_parallel(lambda first, last: (names.add(threading.current_thread().name), time.sleep(0.002)), 400)
 
-    callers = [threading.Thread(target=call, name=f"caller {k}") for k in range(4)]
-    for caller in callers:
-        caller.start()
-    for caller in callers:
-        caller.join()
+    with ThreadPoolExecutor(4, "caller") as callers:
+        list(callers.map(call, range(4)))
     assert len({name for name in names if name.startswith("in parallel")}) <= max(cores.most_threads() - 1, 1)
 
 

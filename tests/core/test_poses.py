@@ -16,10 +16,8 @@ from insonify.terrain import build_ground
 from insonify.tow.line import tow_line_at
 from insonify.tow.poses import KNOTS, bed_beneath, interpolate_bed_beneath, make_poses
 
-LEVEL = edit(
-    load_scene("default"),
-    {"seabed.relief": "flat", "targets": [], "track.start": [3.0, -2.0], "track.heading": 30.0, "sonar.bins": 200},
-)
+LINE = {"track.start": [3.0, -2.0], "track.heading": 30.0}
+LEVEL = edit(load_scene("default"), LINE | {"seabed.relief": "flat", "targets": [], "sonar.bins": 200})
 SLOPE = 0.05
 
 
