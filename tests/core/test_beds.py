@@ -18,7 +18,7 @@ from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
 
 
-def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_place_and_holes(tmp_path):
+def test_geotiff_runs_north_and_keeps_its_place_and_holes_and_its_own_or_the_finer_spacing(tmp_path):
     rows = sloped(5, 7)
     rows[0, 1] = -9999.0
     rows[2, 2] = np.nan
@@ -34,6 +34,13 @@ def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing_place_and_hol
     ground = build_ground(scene(path, origin=(EAST + 0.5, NORTH - 1.0)))
     # Node (0, 0) is the centre of the south-western pixel.
     assert (ground.x0, ground.y0) == (-0.375, 1.0 - 1.25 + 0.125)
+    # A plane comes through a linear interpolation of oblong pixels as it was.
+    rows = np.arange(4.0)[:, np.newaxis] * 3.0 + np.arange(3.0) * 2.0
+    ground = build_ground(scene(write_tiff(tmp_path / "oblong.tif", rows, pixel=(2.0, 1.0), **UTM)))
+    assert ground.spacing == 1.0
+    assert ground.heights.shape == (4, 5)
+    plane = np.arange(4.0)[::-1, np.newaxis] * 3.0 + np.arange(5.0)
+    np.testing.assert_allclose(ground.heights + ground.datum, plane, atol=1e-5)
 
 
 def test_measured_relief_is_scaled_before_its_datum_about_its_mean_and_takes_no_shape(tmp_path):
@@ -46,16 +53,6 @@ def test_measured_relief_is_scaled_before_its_datum_about_its_mean_and_takes_no_
     assert abs(relief(seabed).mean()) < 1e-12
     with pytest.raises(SceneError, match="own grid; leave it out"):
         relief(seabed, (8, 8))
-
-
-def test_oblong_pixels_are_resampled_to_the_finer_spacing(tmp_path):
-    rows = np.arange(4.0)[:, np.newaxis] * 3.0 + np.arange(3.0) * 2.0
-    ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, pixel=(2.0, 1.0), **UTM)))
-    assert ground.spacing == 1.0
-    assert ground.heights.shape == (4, 5)
-    # A plane comes through a linear interpolation as it was.
-    plane = np.arange(4.0)[::-1, np.newaxis] * 3.0 + np.arange(5.0)
-    np.testing.assert_allclose(ground.heights + ground.datum, plane, atol=1e-5)
 
 
 def test_grids_without_coordinates_take_the_spacing_of_the_scene_and_arrays_run_towards_y(tmp_path):

@@ -20,14 +20,11 @@ HERE = Contact(
 NOWHERE = Contact("fish", "", "line.xtf", 3, "starboard", 12, 2.5, snapshot=b"no picture")
 
 
-def test_a_contact_is_described_without_what_is_not_known():
+def test_a_contact_is_described_without_what_is_not_known_and_a_placemark_at_longitude_and_latitude(tmp_path):
     told = describe_contact(HERE)
     assert (told["class"], told["length"], told["height"]) == ("wreck", "31.20 m", "2.50 m")
     assert told["position"] == "48.250000° N, 68.500000° W"
     assert list(describe_contact(NOWHERE)) == ["range", "ping", "record"]
-
-
-def test_placemarks_lie_at_longitude_and_latitude(tmp_path):
     write_report(tmp_path / "found.kml", [NOWHERE, HERE])
     (mark,) = ElementTree.parse(tmp_path / "found.kml").iter(f"{{{KML}}}Placemark")
     assert mark.findtext(f"{{{KML}}}name") == "wreck <b>"

@@ -48,12 +48,6 @@ def test_text_is_utf8_with_the_same_ends_of_lines_on_every_system_and_is_written
     assert (tmp_path / "text").read_bytes() == "α\nβ\r\n".encode()
 
 
-def test_windows_reserves_names_and_characters():
-    portable = ["record.nc", "console.png", "α β.png", ".hidden"]
-    reserved = ["con.png", "Nul", "com7.a.b", "a:b", "what?.png", "end.", ""]
-    assert [*filter(is_portable, portable + reserved)] == portable
-
-
 @pytest.mark.parametrize(
     ("splits", "fault"),
     [("{ con = 1.0 }", "takes for a device"), ("{ train = 1.0, Train = 1.0 }", "differ in the case of letters alone"),
@@ -65,8 +59,11 @@ def test_a_split_is_a_folder_on_every_system(splits, fault, tmp_path, monkeypatc
     assert fault in refused(capsys, "dataset", "set.toml", "-o", "set")
 
 
-def test_on_windows_an_output_of_no_possible_name_is_refused_before_the_work(tmp_path, monkeypatch):
+def test_windows_reserves_names_and_an_output_of_no_possible_name_is_refused_before_the_work(tmp_path, monkeypatch):
     """A colon would write into a stream beside a file, a device would take the picture, and a long path exists not."""
+    portable = ["record.nc", "console.png", "α β.png", ".hidden"]
+    reserved = ["con.png", "Nul", "com7.a.b", "a:b", "what?.png", "end.", ""]
+    assert [*filter(is_portable, portable + reserved)] == portable
     monkeypatch.setattr(operating_system.sys, "platform", "win32")
     long = 220 * "x" + ".png"
     for name, fault in {"a:b.png": "not a name of a file", "aux.png": "not a name of a file", long: "too many"}.items():
