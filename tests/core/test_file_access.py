@@ -249,16 +249,13 @@ def test_every_error_becomes_one_sentence(error, words):
     assert str(caught.value) == words
 
 
-def test_warnings_of_libraries_are_left_out_and_those_of_files_are_not():
+def test_threads_read_one_at_a_time_and_warnings_of_libraries_are_left_out_and_those_of_files_are_not():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         with guarded(refusal, "mend it"):
             warnings.warn("of a library", stacklevel=1)
             warnings.warn(FileWarning("of a file"), stacklevel=1)
     assert [str(each.message) for each in told] == ["of a file"]
-
-
-def test_threads_read_one_at_a_time():
     inside, most = [0], [0]
 
     def read() -> None:
