@@ -29,7 +29,7 @@ def at(ground, x, y):
     return [ground.names[k] for k in ground.materials[j, i]]
 
 
-def test_values_choose_materials_where_they_lie_by_levels_or_by_equal_shares(tmp_path):
+def test_values_choose_materials_where_they_lie_or_nearest_by_levels_or_by_equal_shares(tmp_path):
     rows = [[-40.0, -30.0, -20.0], [-20.0, -40.0, -30.0]]
     path = write_tiff(tmp_path / "a.tif", rows, **PLACE)
     world = {"crs": "EPSG:32631", "origin": [EAST, NORTH - 4.0]}  # the south-western corner
@@ -43,6 +43,12 @@ def test_values_choose_materials_where_they_lie_by_levels_or_by_equal_shares(tmp
     ground = build_ground(scene(path, world=HERE))
     shares = np.bincount(ground.materials.ravel()) / ground.materials.size
     np.testing.assert_allclose(shares, 1.0 / 3.0, atol=0.01)
+    path = write_tiff(tmp_path / "thin.tif", [[-40.0, np.nan, np.nan, -20.0]], **PLACE)
+    with pytest.raises(SceneError, match="is only 4 by 1"):
+        build_ground(scene(path, world=HERE))
+    path = write_tiff(tmp_path / "gap.tif", [[-40.0, np.nan, np.nan, -20.0]] * 2, **PLACE)
+    ground = build_ground(scene(path, world={"origin": [EAST, NORTH - 4.0]}, levels=[-30.0, 0.0]))
+    assert at(ground, [1.0, 3.0, 5.0, 7.0], [1.0] * 4) == ["silt", "silt", "medium_sand", "medium_sand"]
 
 
 def test_another_map_is_transformed(tmp_path):
@@ -62,15 +68,6 @@ def test_another_map_is_transformed(tmp_path):
     expected = np.where(east < EAST + 100.0, 0, 1)
     np.testing.assert_array_equal(ground.materials[:29, :29][inner], expected[inner])
     assert 0.0 < expected.mean() < 1.0
-
-
-def test_places_without_a_value_take_the_nearest(tmp_path):
-    path = write_tiff(tmp_path / "a.tif", [[-40.0, np.nan, np.nan, -20.0]], **PLACE)
-    with pytest.raises(SceneError, match="is only 4 by 1"):
-        build_ground(scene(path, world=HERE))
-    path = write_tiff(tmp_path / "b.tif", [[-40.0, np.nan, np.nan, -20.0]] * 2, **PLACE)
-    ground = build_ground(scene(path, world={"origin": [EAST, NORTH - 4.0]}, levels=[-30.0, 0.0]))
-    assert at(ground, [1.0, 3.0, 5.0, 7.0], [1.0] * 4) == ["silt", "silt", "medium_sand", "medium_sand"]
 
 
 PLACED = "give a raster with coordinates, and world.origin and world.crs or a measured"

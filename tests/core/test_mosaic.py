@@ -60,7 +60,7 @@ def test_the_swath_is_filled_and_nothing_else(heading, cell):
     np.testing.assert_allclose(mosaic.level[inside & (left < -edge)], 20.0 * np.log10(2.0), rtol=1e-5)
 
 
-def test_slant_range_becomes_ground_range():
+def test_slant_range_becomes_ground_range_and_lost_pings_and_altitudes_that_no_sonar_has_leave_a_gap():
     swath = straight_swath(heading=0.0, start=(0.0, 0.0), altitude=12.0)
     swath.amplitude[:, :, 150:152] = 100.0  # slant range 15.0 m to 15.2 m: ground range 9.00 m to 9.33 m
     mosaic = make_mosaic([swath], 0.1)
@@ -68,9 +68,6 @@ def test_slant_range_becomes_ground_range():
     bright = (mosaic.level > 30.0) & (np.abs(x - 15.0) < 10.0)
     assert 8.95 < np.abs(y[bright]).min() < 9.1
     assert 9.2 < np.abs(y[bright]).max() < 9.4
-
-
-def test_lost_pings_and_those_at_an_altitude_that_no_sonar_has_leave_a_gap():
     swath = straight_swath(heading=0.0, start=(0.0, 0.0))
     keep = np.r_[0:20, 40:60]
     cut = Swath(swath.nadir[keep], swath.ends[keep], swath.reach, swath.altitude[keep], swath.amplitude[keep], 0.1)
