@@ -16,21 +16,18 @@ KB = 1024
 Pair = make_dataclass("Pair", ("values", "number"))
 
 
-def test_the_least_recently_used_arrays_are_dropped() -> None:
+def test_the_least_recently_used_arrays_are_dropped_and_functions_share_the_bound_but_not_their_results() -> None:
     cache, make = ArrayCache(3 * KB), Mock(side_effect=lambda number: np.full(KB, number, np.uint8))
     kept = cache.keep(make)
     for number in (1, 2, 3, 1, 4, 1, 2):
         assert kept(number)[0] == number
     assert make.mock_calls == [*map(call, (1, 2, 3, 4, 2))], "2 was the oldest when 4 came"
     assert cache.bytes == 3 * KB
-
-
-def test_functions_share_the_bound_and_not_their_results_which_go_with_them() -> None:
     cache = ArrayCache(4 * KB)
     one, other = (cache.keep(lambda n, v=value: np.full(n, v, np.uint8)) for value in (1, 2))
     assert (one(KB)[0], other(KB)[0], one(KB)[0]) == (1, 2, 1)
     assert cache.bytes == 2 * KB
-    del one
+    del one  # its results go with it
     gc.collect()
     other(2 * KB)
     assert cache.bytes == 3 * KB

@@ -139,7 +139,11 @@ def test_a_descent_of_centimetres_with_times_and_unsorted_and_repeated_depths_be
     np.testing.assert_allclose(cast.sound_speed, 1500.0 - 2.0 * cast.depth)  # means keep a gradient
 
 
-def test_the_equation_takes_precedence_when_given_and_needs_its_columns(tmp_path):
+def test_a_cast_is_read_anew_beside_its_scene_and_an_equation_takes_precedence_and_needs_its_columns(tmp_path):
+    scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
+    for speed in (1500.0, 1490.0):
+        text(tmp_path / "cast.csv", f"depth,speed\n0,{speed}\n20,1501.5\n")
+        assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[speed, 1501.5]]
     path = text(tmp_path / "cast.csv", "depth,sound_speed,temperature,salinity\n0,1500,10,35\n20,1501,10,35\n")
     np.testing.assert_array_equal(make_sound_speed_field(CastWater(path=path)).speed, [[1500.0, 1501.0]])
     by_paper = make_sound_speed_field(CastWater(path=path, equation="paper")).speed
@@ -147,13 +151,6 @@ def test_the_equation_takes_precedence_when_given_and_needs_its_columns(tmp_path
     path = text(tmp_path / "speed.csv", "depth,speed\n0,1500\n20,1501\n")
     with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
         make_sound_speed_field(CastWater(path=path, equation="paper"))
-
-
-def test_a_cast_lies_beside_its_scene_and_is_read_anew(tmp_path):
-    scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
-    for speed in (1500.0, 1490.0):
-        text(tmp_path / "cast.csv", f"depth,speed\n0,{speed}\n20,1501.5\n")
-        assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[speed, 1501.5]]
 
 
 WRONG = [
