@@ -44,15 +44,12 @@ def test_made_ground_is_periodic_from_the_local_origin():
     assert odd.spacing * 100 == pytest.approx(10.04, rel=1e-12)
 
 
-def test_ground_depends_on_the_seed_and_not_on_the_track():
+def test_ground_depends_on_the_seed_and_not_on_the_track_depth_or_numbers_of_materials():
     seabed = scene().seabed.model_dump()
     changes = {}, {"track": {"start": [500.0, -40.0], "heading": 30.0}}, {"seed": 2}
     one, elsewhere, reseeded = (build_ground(build({"seabed": seabed} | change)).heights for change in changes)
     np.testing.assert_array_equal(one, elsewhere)
     assert np.abs(one - reseeded).max() > 0.05
-
-
-def test_heights_and_maps_are_kept_while_depth_and_numbers_of_materials_change():
     first, second = build_ground(scene()), build_ground(scene(depth=40.0, material="rock"))
     assert second.heights is first.heights
     assert second.datum == -40.0
@@ -141,9 +138,8 @@ def test_maps_keep_their_places_on_other_grids():
 def test_patches_agree_with_the_slow_search():
     rng = np.random.default_rng(0)
     squares = [(i % 5, j % 5, i, j) for i in range(-4, 10) for j in range(-4, 10)]
-    points = np.array(
-        [(i + hash_uniform(9, 3, a, b, ACROSS), j + hash_uniform(9, 3, a, b, ALONG)) for a, b, i, j in squares]
-    )
+    places = [(i + hash_uniform(9, 3, a, b, ACROSS), j + hash_uniform(9, 3, a, b, ALONG)) for a, b, i, j in squares]
+    points = np.array(places)
     for u, v in rng.uniform(0.0, 5.0, (300, 2)):
         a, b, _, _ = squares[np.argmin(np.hypot(points[:, 0] - u, points[:, 1] - v))]
         assert nearest_seed_hash(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
@@ -311,7 +307,7 @@ def test_a_pattern_longer_than_its_bed_is_stretched_to_it_or_refused():
         ground_of(pattern(period=500.0))  # of a level bed
 
 
-def test_waves_blend_from_the_first_to_the_last_and_back_and_mix_the_variance_of_speckle():
+def test_waves_blend_from_the_first_to_the_last_and_back_mix_the_variance_of_speckle_and_are_named_by_truth():
     layout = PatternMap(of=BANDS, shape="waves", period=6.0)
     names, numbers = layout.rows()
     assert len(names) == len(numbers) == len(set(names)) == GRADES
@@ -327,9 +323,6 @@ def test_waves_blend_from_the_first_to_the_last_and_back_and_mix_the_variance_of
     assert 1.0 / whole[51].speckle_shape == pytest.approx(0.8 / 2.0 + 0.2 / 10.0)
     assert half_given[0].speckle_shape == 2.0
     assert {row.speckle_shape for row in half_given[1:]} == {None}
-
-
-def test_truth_names_graded_rows():
     seabed = {"spacing": 0.2, "material": pattern(shape="waves", period=8.0)}
     sonar = {"range": 20.0, "bins": 100, "beam": "knife"}
     scene = build({"seabed": seabed, "sonar": sonar, "track": {"pings": 2}})
@@ -349,13 +342,17 @@ def picture(folder, rows, name="map.png", dtype=np.uint8, palette=None):
     return str(folder / name)
 
 
-def test_a_picture_lies_north_up_from_the_origin(tmp_path):
+def test_a_picture_lies_north_up_from_the_origin_and_gives_way_to_a_bed_that_repeats(tmp_path):
     path = picture(tmp_path, [[0, 255], [255, 255], [0, 0]])
     ground = ground_of({"kind": "image", "path": path, "of": ["silt", "rock"], "width": 4.0})
     assert ground.materials.shape == (60, 40)
     x, y = np.meshgrid(np.arange(0.05, 8.0, 0.1), np.arange(-5.95, 6.0, 0.1))
     expected = np.array([[0, 0], [1, 1], [0, 1]])[np.floor(y / 2.0).astype(int) % 3, np.floor(x / 2.0).astype(int) % 2]
     np.testing.assert_array_equal(unrolled(ground, x, y), expected)
+    layout = ImageMap(path=picture(tmp_path, [[0, 255]]), of=TWO, width=3.0)
+    squeezed, free = (material_indices(layout, lattice, 1)[0] for lattice in (Lattice((4, 100), 0.1), FREE))
+    np.testing.assert_array_equal(squeezed, np.floor((np.arange(100) + 0.5) * 0.1 / (10.0 / 6.0)) % 2)
+    np.testing.assert_array_equal(free, np.floor(X / 1.5) % 2)
 
 
 def test_grey_of_any_depth_colours_and_palettes_choose_materials(tmp_path):
@@ -372,21 +369,13 @@ def test_grey_of_any_depth_colours_and_palettes_choose_materials(tmp_path):
         np.testing.assert_array_equal(material_indices(layout, Lattice((1, len(expected)), 1.0), 1), [expected])
 
 
-def test_a_picture_gives_way_to_a_bed_that_repeats_and_stays_on_one_that_does_not(tmp_path):
-    layout = ImageMap(path=picture(tmp_path, [[0, 255]]), of=TWO, width=3.0)
-    squeezed, free = (material_indices(layout, lattice, 1)[0] for lattice in (Lattice((4, 100), 0.1), FREE))
-    np.testing.assert_array_equal(squeezed, np.floor((np.arange(100) + 0.5) * 0.1 / (10.0 / 6.0)) % 2)
-    np.testing.assert_array_equal(free, np.floor(X / 1.5) % 2)
-
-
 def test_a_picture_lies_beside_its_scene_and_is_read_anew(tmp_path):
     layout = {"kind": "image", "path": picture(tmp_path, [[0, 255]]), "of": ["silt", "rock"], "width": 4.0}
     first = ground_of(layout).materials.copy()
     picture(tmp_path, [[255, 0, 0]])
     assert ground_of(layout).materials.tolist() != first.tolist()
-    (tmp_path / "scene.toml").write_text(
-        '[seabed]\nmaterial = { kind = "image", path = "map.png", of = ["silt", "rock"] }\n'
-    )
+    material = '{ kind = "image", path = "map.png", of = ["silt", "rock"] }'
+    (tmp_path / "scene.toml").write_text(f"[seabed]\nmaterial = {material}\n")
     assert plain(load_scene(tmp_path / "scene.toml"))["seabed"]["material"]["path"] == str(tmp_path / "map.png")
 
 
