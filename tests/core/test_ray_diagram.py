@@ -109,6 +109,14 @@ def test_a_section_of_equal_profiles_is_that_profile(diagram):
     assert (other.shadow != diagram.shadow).mean() < 1e-3
     times = ([ray.travel_time for ray in each.eigenrays] for each in (other, diagram))
     np.testing.assert_allclose(*times, rtol=1e-9)
+    section = water(kind="section", distance=[-10, 70, 900], depth=LAYERED.depth, sound_speed=[LAYERED.sound_speed] * 3)
+    for x, depth in ((80.0, 40.0), (300.0, 15.0), (30.0, 60.0)):
+        ours, layered = (
+            insonify.eigenrays(one, 5.0, x, depth, bottom=60.0, reflections=1) for one in (section, LAYERED)
+        )
+        assert ours.sizes == layered.sizes
+        np.testing.assert_allclose(ours.angle, layered.angle, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(ours.time, layered.time, rtol=0, atol=1e-12)
 
 
 def test_a_point_that_is_not_in_the_water_is_refused():
@@ -200,17 +208,6 @@ def test_eigenrays_are_told_by_launch_angle_with_their_intensity():
     down = insonify.eigenrays(even, 10.0, 0.0, 40.0)  # one straight down spreads as any
     assert down.angle.values.tolist() == [90.0]
     assert float(down.intensity[0]) == pytest.approx(30.0**-2)
-
-
-def test_a_section_of_equal_profiles_joins_points_as_layers_do():
-    section = water(kind="section", distance=[-10, 70, 900], depth=LAYERED.depth, sound_speed=[LAYERED.sound_speed] * 3)
-    for x, depth in ((80.0, 40.0), (300.0, 15.0), (30.0, 60.0)):
-        ours, layered = (
-            insonify.eigenrays(one, 5.0, x, depth, bottom=60.0, reflections=1) for one in (section, LAYERED)
-        )
-        assert ours.sizes == layered.sizes
-        np.testing.assert_allclose(ours.angle, layered.angle, rtol=0, atol=1e-8)
-        np.testing.assert_allclose(ours.time, layered.time, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def scene(**seabed):
     return build({"seabed": {"depth": 30.0, "spacing": 0.1, "relief": FRACTAL} | seabed})
 
 
-def test_made_ground_is_periodic_from_the_local_origin():
+def test_made_ground_is_periodic_from_the_local_origin_and_small_where_it_is_level():
     base = scene()
     ground = build_ground(base)
     assert (ground.heights.shape, ground.heights.dtype) == ((128, 128), np.float32)
@@ -42,6 +42,13 @@ def test_made_ground_is_periodic_from_the_local_origin():
     odd = build_ground(scene(relief=FRACTAL | {"period": 10.04}))  # no whole number of cells
     assert odd.heights.shape == (100, 100)
     assert odd.spacing * 100 == pytest.approx(10.04, rel=1e-12)
+    level = build_ground(scene(relief="flat"))
+    assert level.periodic
+    assert level.heights.size <= 64
+    assert not level.heights.any()
+    mapped = build_ground(scene(relief="flat", material={"kind": "patches", "of": ["silt", "rock"]}))
+    assert mapped.heights.shape == (1024, 1024)
+    assert mapped.spacing * 1024 == pytest.approx(102.4)
 
 
 def test_ground_depends_on_the_seed_and_not_on_the_track_depth_or_numbers_of_materials():
@@ -62,17 +69,7 @@ def test_ground_depends_on_the_seed_and_not_on_the_track_depth_or_numbers_of_mat
     assert second.reflectivities[1].diffuse == 0.3
 
 
-def test_level_bed_is_small_unless_a_map_needs_room():
-    level = build_ground(scene(relief="flat"))
-    assert level.periodic
-    assert level.heights.size <= 64
-    assert not level.heights.any()
-    mapped = build_ground(scene(relief="flat", material={"kind": "patches", "of": ["silt", "rock"]}))
-    assert mapped.heights.shape == (1024, 1024)
-    assert mapped.spacing * 1024 == pytest.approx(102.4)
-
-
-def test_relief_samples_one_period_on_any_shape_that_has_nodes():
+def test_relief_samples_one_period_on_any_shape_that_has_nodes_and_dunes_are_as_high_as_on_their_ground():
     fractal, ripples = scene().seabed, Seabed(relief={"kind": "ripples"})
     for made, shape in ((fractal, (32, 200)), (Seabed(), (3, 5)), *((ripples, s) for s in ((1, 1), (1, 7), (7, 1)))):
         heights = relief(made, shape)
@@ -85,6 +82,9 @@ def test_relief_samples_one_period_on_any_shape_that_has_nodes():
                 relief(Seabed(relief={"kind": kind}), shape)
     with pytest.raises(SceneError, match=r"^seabed\.relief\.period: 0\.2 m spans 2 cells .*; lengthen it"):
         build_ground(scene(relief=FRACTAL | {"period": 0.2}))
+    for spacing in (0.4, 1e3):
+        dunes = scene(relief="mimic", spacing=spacing)
+        np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
 
 
 def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):
@@ -100,12 +100,6 @@ def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):
     np.save(tmp_path / "bed.npy", np.arange(15.0).reshape(5, 3))
     picture = relief_picture(scene(relief={"kind": "dem", "path": str(tmp_path / "bed.npy")}))
     np.testing.assert_array_equal(picture[::-1], np.rint(np.arange(15.0).reshape(5, 3) * 255.0 / 14.0))
-
-
-def test_dunes_are_as_high_alone_as_on_their_ground_however_coarse():
-    for spacing in (0.4, 1e3):
-        dunes = scene(relief="mimic", spacing=spacing)
-        np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
 
 
 @pytest.mark.parametrize("material", [Patches(of=THREE, size=3.0), FractalMap(of=THREE)])

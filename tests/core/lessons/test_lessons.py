@@ -394,7 +394,7 @@ def test_a_fault_of_a_question_names_the_remedy(given, told):
         Ask.model_validate(given)
 
 
-def test_quantities_agree_with_what_is_written_of_them():
+def test_quantities_agree_with_what_is_written_of_them_and_with_a_record():
     beam = {"sonar.beam": {"kind": "array", "length": 0.2}, "sonar.frequency": 100e3}
     scene, wavelength = edit(load_scene("default"), {"water.sound_speed": 1500.0} | beam), 0.015
     expected = {
@@ -424,9 +424,6 @@ def test_quantities_agree_with_what_is_written_of_them():
     }
     found = {(name, *arguments): QUANTITIES[name].compute(scene, *arguments) for name, *arguments in expected}
     assert found == pytest.approx(expected)
-
-
-def test_quantities_are_measured_in_a_record():
     scene = edit(load_scene("default"), {"sonar.bins": 50, "sonar.range": 50.0})
     intensity = np.full((2, 4, 50), 1e-6)
     intensity[..., :10] = intensity[..., 45:] = 0.0
