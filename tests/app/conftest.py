@@ -73,15 +73,18 @@ def await_threads(before: set[threading.Thread]) -> None:
 
 
 @pytest.fixture(autouse=True)
-def _nothing_is_left() -> Iterator[None]:
+def _nothing_is_left(qapp: QApplication) -> Iterator[None]:
     """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends.
 
-    Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too.
+    Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too. Every test begins
+    with the usual colours and size of text.
     """
-    before = set(threading.enumerate())
+    apply_theme(qapp)
+    before, font = set(threading.enumerate()), qapp.font()
     yield
     await_threads(before)
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    qapp.setFont(font)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -144,7 +147,6 @@ def open_viewer(
     qtbot: Any, qapp: QApplication, _beds_are_shaded_once: None, _seabed_is_not_drawn: None
 ) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
-    apply_theme(qapp)
     viewers: list[Viewer] = []
     before = set(threading.enumerate())
 

@@ -4,15 +4,7 @@ from collections.abc import Callable
 from itertools import product
 
 import pytest
-from controls import (
-    accessible_name,
-    activate,
-    assert_side_by_side,
-    bring_to_front,
-    controls_of,
-    place_of,
-    takes_keyboard,
-)  # fmt: skip
+from controls import accessible_name, activate, assert_side_by_side, bring_to_front, controls_of, focusable, place_of
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 
@@ -28,7 +20,6 @@ from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.scene_menu import scene_gallery
 
 PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
-SIDE = ("parameters", "plan", "record")
 
 
 def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
@@ -57,12 +48,10 @@ def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     assert all(tip and tip.endswith(".") for tip in tips)
     assert beam.toolTip().endswith(f"{beam.currentText()}: {tips[beam.currentIndex()]}")
     # Views, tabs and scroll areas have names too; a text is named by its words, and one without words says nothing.
-    own = (child for child in window.findChildren(QWidget) if takes_keyboard(child))
-    speaking = [child for child in own if not is_silent(child)]
-    kinds = {type(child).__name__ for child in speaking}
+    kinds = {type(child).__name__ for child in focusable(window)}
     assert {"WaterfallView", "RecordAView", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
     assert "QtInteractor" in kinds or not has_opengl()
-    assert [place_of(child) for child in speaking if not accessible_name(child)] == []
+    assert [place_of(child) for child in focusable(window) if not accessible_name(child)] == []
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))
 
 
@@ -117,18 +106,11 @@ def test_links_are_followed_by_the_keyboard_and_space_acts_on_what_has_it(viewer
     assert (line.text(), window.pause.isChecked()) == ("beam width", paused)
 
 
-@pytest.fixture
-def _large_text(qapp):
-    """Text twice as large as usual, as a system or the menu may ask for."""
-    usual = qapp.font()
+def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
+    usual = qapp.font().pointSizeF()
     enlarge_text(qapp, 200)
-    assert qapp.font().pointSizeF() == 2.0 * usual.pointSizeF()
-    yield
-    qapp.setFont(usual)
-
-
-@pytest.mark.usefixtures("_large_text")
-def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
+    assert qapp.font().pointSizeF() == 2.0 * usual
+    viewer = open_viewer(small)
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
@@ -202,24 +184,17 @@ def assert_walked(window: QWidget, qtbot) -> set[QWidget]:
     """Check that Tab reaches every control of a window, all of which have names."""
     wanted = assert_reached(window, window, qtbot)
     assert wanted
-    speaking = wanted | {child for child in window.findChildren(QWidget) if takes_keyboard(child)}
-    assert [place_of(child) for child in speaking if not accessible_name(child) and not is_silent(child)] == []
+    assert [place_of(child) for child in wanted | focusable(window) if not accessible_name(child)] == []
     return wanted
-
-
-def is_silent(widget: QWidget) -> bool:
-    """Whether a widget is a text without words."""
-    return isinstance(widget, QLabel) and not widget.text()
 
 
 def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
     window = viewer.window
     activate(window, qtbot)
-    for panel in SIDE:
+    for panel in ("parameters", "plan", "record"):
         bring_to_front(window, panel)
         kinds = {type(child).__name__ for child in assert_walked(window, qtbot)}
         assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
-    activate(viewer.window, qtbot)
     for name in ("water", "lessons", "pixel", "comparison", "record"):
         viewer.window.open_panel(name)
         panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
