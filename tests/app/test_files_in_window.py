@@ -5,7 +5,6 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-import pytest
 from controls import answer_questions, drop
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QTextDocumentFragment
@@ -70,22 +69,24 @@ def test_a_mesh_and_a_bed_are_dropped_and_opened_again_after_a_question(viewer, 
     assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
 
 
-@pytest.fixture
-def cast(tmp_path):
-    path = tmp_path / "cast.csv"
-    path.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
-    return path
-
-
-@pytest.fixture
-def tow(tmp_path):
-    path = tmp_path / "tow.csv"
-    path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
-    return path
-
-
-def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, qtbot, cast, tow):
+def test_a_cast_and_navigation_are_dropped_opened_again_or_taken_by_a_field_and_others_refused(
+    open_viewer, small, qtbot, tmp_path, monkeypatch
+):
+    cast, tow, letter, sums = (tmp_path / name for name in ("cast.csv", "tow.csv", "letter.txt", "sums.csv"))
+    cast.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
+    tow.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
+    letter.write_text("x", encoding="utf-8")
+    sums.write_text("a,b\n1,2\n", encoding="utf-8")
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
+    before = viewer.session.scene
+    drop(viewer.window, cast, tow)
+    assert said(viewer) == "2 files were dropped at once; drop one file at a time"
+    drop(viewer.window, letter)
+    assert said(viewer).startswith("letter.txt: cannot be opened by its suffix; give a scene")
+    drop(viewer.window, sums)
+    qtbot.waitUntil(lambda: "has no column time" in said(viewer))
+    assert viewer.session.scene == before
+    assert Settings().recent == []
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
         qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast")
@@ -94,8 +95,7 @@ def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, 
         assert viewer.window.undo.text() == "Undo: sound speed of cast.csv"
         assert Settings().recent == [str(cast)]
         viewer.session.undo()
-        assert viewer.session.scene.water.kind == "uniform"
-    before = viewer.session.scene
+        assert viewer.session.scene == before
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
         qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded")
@@ -105,40 +105,8 @@ def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, 
         assert Settings().recent == [str(tow), str(cast)]
         viewer.session.undo()
         assert viewer.session.scene == before
-
-
-def test_contacts_are_dropped_and_opened_by_menu(viewer, tmp_path, monkeypatch):
-    for path in (tmp_path / "found.geojson", tmp_path / "found.csv"):
-        write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
-        drop(viewer.window, path)
-        assert [each.name for each in viewer.contacts.all] == ["wreck", "rock"]
-        assert said(viewer) == f"2 contacts of {path.name}"
-        assert viewer.window.undo.text() == f"Undo: open {path.name}"
-        viewer.window.undo.trigger()
-        assert not viewer.contacts.all
-        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), ""))
-        next(action for action in viewer.window.menus.file.actions() if action.text() == "Open contacts…").trigger()
-        assert len(viewer.contacts) == 2
-        assert not viewer.window.isWindowModified()
-        viewer.contacts.remove(0)
-        assert viewer.window.isWindowModified()
-        open_again(viewer, path.name)
-        assert len(viewer.contacts) == 2
-        viewer.session.undo(3)
-
-
-def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qtbot, cast, tow, tmp_path, monkeypatch):
-    drop(viewer.window, cast, tow)
-    assert said(viewer) == "2 files were dropped at once; drop one file at a time"
-    (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
-    drop(viewer.window, tmp_path / "letter.txt")
-    assert said(viewer).startswith("letter.txt: cannot be opened by its suffix; give a scene")
-    (tmp_path / "sums.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    drop(viewer.window, tmp_path / "sums.csv")
-    qtbot.waitUntil(lambda: "has no column time" in said(viewer))
-    assert viewer.session.scene == small
-    assert Settings().recent == []
     # One that a field takes over is among the recent ones.
+    Settings().forget_recent()
     settle = viewer.panels["parameters"]._settle
     for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
@@ -151,11 +119,10 @@ def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qt
     assert len(Settings().recent) == 2, "what is not there is not among them"
 
 
-def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, small, tmp_path):
+def test_recent_scenes_and_contacts_are_opened_again_unless_they_vanished(viewer, small, tmp_path, monkeypatch):
     paths = [tmp_path / f"{name}.toml" for name in ("one", "two")]
     for number, path in enumerate(paths):
         path.write_text(scene_to_toml(edit(small, {"seed": number + 7})), encoding="utf-8")
-    for path in paths:
         drop(viewer.window, path)
     menu = viewer.window.recent
     menu.fill()
@@ -184,6 +151,24 @@ def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, sm
     drop(viewer.window, path)
     assert viewer.session.scene.track.altitude == 6.5
     assert viewer.session.file == str(path)
+    # Contacts are among them, which the menu opens too.
+    for path in (tmp_path / "found.geojson", tmp_path / "found.csv"):
+        write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
+        drop(viewer.window, path)
+        assert [each.name for each in viewer.contacts.all] == ["wreck", "rock"]
+        assert said(viewer) == f"2 contacts of {path.name}"
+        assert viewer.window.undo.text() == f"Undo: open {path.name}"
+        viewer.window.undo.trigger()
+        assert not viewer.contacts.all
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), ""))
+        next(action for action in viewer.window.menus.file.actions() if action.text() == "Open contacts…").trigger()
+        assert len(viewer.contacts) == 2
+        assert not viewer.window.isWindowModified()
+        viewer.contacts.remove(0)
+        assert viewer.window.isWindowModified()
+        open_again(viewer, path.name)
+        assert len(viewer.contacts) == 2
+        viewer.session.undo(3)
 
 
 SHOWN = "<img src=x> R&D &amp; <b>loud"  # a name of a file as well: without a slash
@@ -270,7 +255,6 @@ def test_text_of_files_is_made_plain_in_a_question_and_in_declared_words(small, 
     assert SHOWN in rich(asked[0])
     assert not OBEYED.search(asked[0])
     assert edit(small, {"title": HOSTILE}).title == "]0;owned" + SHOWN + "[*]"
-    page = SurveySpecification.model_validate(
-        {"base": "default", "title": HOSTILE, "lines": [{"start": [0, 0], "end": [9, 0]}]}
-    )
+    lines = [{"start": [0, 0], "end": [9, 0]}]
+    page = SurveySpecification.model_validate({"base": "default", "title": HOSTILE, "lines": lines})
     assert not OBEYED.search(page.title)
