@@ -87,40 +87,32 @@ def test_a_fault_of_core_slot_thread_or_job_is_one_sentence_and_the_window_lives
     def fail():
         raise KeyError("no such thing")
 
-    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        QTimer.singleShot(0, fail)
-        qtbot.waitUntil(viewer.window.status.copy.isVisible)
-    assert [kind for kind, *_ in printed] == [KeyError], "standard error tells of it as before"
-    assert "bug in insonify (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
-    assert "in fail" in copied(viewer)
-    assert viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
-    # A file that is damaged is no fault of the program; one in a thread beside the window is told once.
-    received = []
+    def be_damaged():
+        raise SceneError("tow.csv: has no rows; export it again")
 
     def fail_in_thread():
         int(float("nan"))
 
-    def refuse():
-        raise SceneError("track.pings: 0 is too few; give at least 1")
-
-    def run(errand):
-        count = len(received)
-        viewer.simulator.executor.submit("test", errand, received.append)
-        qtbot.waitUntil(lambda: len(received) > count)
-
-    def be_damaged():
-        raise SceneError("tow.csv: has no rows; export it again")
-
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
+        QTimer.singleShot(0, fail)
+        qtbot.waitUntil(viewer.window.status.copy.isVisible)
+        assert "bug in insonify (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
+        assert "in fail" in copied(viewer)
+        assert viewer.session.settle({"track.altitude": 8.0})
+        qtbot.waitUntil(lambda: viewer.complete)
+        # A file that is damaged is no fault of the program.
         QTimer.singleShot(0, be_damaged)
         qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
-    assert not printed
+    assert [kind for kind, *_ in printed] == [KeyError], "standard error has it as before"
+    # A fault in a thread beside the window is reported once, and again only after a success.
+    received = []
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        for errand in (refuse, fail_in_thread, fail_in_thread, lambda: 7, fail_in_thread):
-            run(errand)
+        for errand in (be_damaged, fail_in_thread, fail_in_thread, lambda: 7, fail_in_thread):
+            count = len(received)
+            viewer.simulator.executor.submit("test", errand, received.append)
+            qtbot.waitUntil(lambda count=count: len(received) > count)
         assert received == [None, None, None, 7, None]
-        assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
+        assert [kind for kind, *_ in printed] == [ValueError, ValueError]
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail_in_thread" in copied(viewer)
     # A job that failed or crashed offers its details.
