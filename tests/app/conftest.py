@@ -77,7 +77,8 @@ def _nothing_is_left(qapp: QApplication) -> Iterator[None]:
     """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends.
 
     Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too. Every test begins
-    with the usual colours and size of text.
+    with the usual colours and size of text, and with an application that has the screen: a command that draws without
+    one would take it from all tests.
     """
     apply_theme(qapp)
     before, font = set(threading.enumerate()), qapp.font()
@@ -85,11 +86,6 @@ def _nothing_is_left(qapp: QApplication) -> Iterator[None]:
     await_threads(before)
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     qapp.setFont(font)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _windows_are_on_the_screen(qapp: QApplication) -> None:
-    """Make the application before a command that draws without a screen, which would take the screen from all tests."""
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from itertools import product
 
-import pytest
 from controls import accessible_name, activate, assert_side_by_side, bring_to_front, controls_of, focusable, place_of
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
@@ -19,12 +18,10 @@ from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.scene_menu import scene_gallery
 
-PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
-
 
 def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     window = viewer.window
-    for name in PANELS:
+    for name in viewer.panels:
         window.open_panel(name)
     for box in viewer.panels["parameters"].view.findChildren(SectionBox):
         box.unfold(True)
@@ -55,20 +52,17 @@ def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))
 
 
-@pytest.mark.parametrize(
-    ("bounds", "slider", "text"),
-    [
-        ((1e3, 2e6), (5e4, 1.2e6), "carrier frequency (Hz; 1 kHz to 2 MHz)"),
-        ((0.0, None), (5e4, 1.2e6), "carrier frequency (Hz; slider from 50 kHz to 1.2 MHz)"),
-        ((0.0, None), None, "carrier frequency (Hz; from 0 Hz)"),
-        ((None, 10.0), None, "carrier frequency (Hz; up to 10 Hz)"),
-        ((None, None), None, "carrier frequency (Hz; any number)"),
-    ],
-)
-def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_unit_says_so(bounds, slider, text):
+def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_unit_says_so():
     words = ("sonar.frequency", "frequency", "carrier frequency", "Hz")
-    number = NumberField(*words, 0, 4e5, slider, log=True, integer=False, bounds=bounds)
-    assert number.about == text
+    for bounds, slider, text in (
+        ((1e3, 2e6), (5e4, 1.2e6), "1 kHz to 2 MHz"),
+        ((0.0, None), (5e4, 1.2e6), "slider from 50 kHz to 1.2 MHz"),
+        ((0.0, None), None, "from 0 Hz"),
+        ((None, 10.0), None, "up to 10 Hz"),
+        ((None, None), None, "any number"),
+    ):
+        number = NumberField(*words, 0, 4e5, slider, log=True, integer=False, bounds=bounds)
+        assert number.about == f"carrier frequency (Hz; {text})"
     number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
     assert number.about == "seed (no unit; 0 to 9)"
 
@@ -173,18 +167,11 @@ def walk(window: QWidget, qtbot) -> set[QWidget]:
     return reached
 
 
-def assert_reached(top: QWidget, window: QWidget, qtbot) -> set[QWidget]:
-    """Check that Tab reaches every control below a widget of a window that is shown and enabled."""
+def find_walked(top: QWidget, window: QWidget, qtbot) -> set[QWidget]:
+    """Find the shown and enabled controls below a widget; check that Tab reaches them all and that all have names."""
     wanted = {child for child in controls_of(top) if child.isVisible() and child.isEnabled()}
     assert [place_of(child) for child in wanted - walk(window, qtbot)] == []
-    return wanted
-
-
-def assert_walked(window: QWidget, qtbot) -> set[QWidget]:
-    """Check that Tab reaches every control of a window, all of which have names."""
-    wanted = assert_reached(window, window, qtbot)
-    assert wanted
-    assert [place_of(child) for child in wanted | focusable(window) if not accessible_name(child)] == []
+    assert [place_of(child) for child in wanted | focusable(top) if not accessible_name(child)] == []
     return wanted
 
 
@@ -193,24 +180,24 @@ def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dia
     activate(window, qtbot)
     for panel in ("parameters", "plan", "record"):
         bring_to_front(window, panel)
-        kinds = {type(child).__name__ for child in assert_walked(window, qtbot)}
+        kinds = {type(child).__name__ for child in find_walked(window, window, qtbot)}
         assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
     for name in ("water", "lessons", "pixel", "comparison", "record"):
         viewer.window.open_panel(name)
         panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
         qtbot.waitUntil(panel.isVisible)
-        assert assert_reached(panel, viewer.window, qtbot) or name != "record"
+        assert find_walked(panel, viewer.window, qtbot) or name != "record"
     for name in ("chart", "jobs"):
         viewer.window.open_panel(name)
         window = viewer.panels[name].widget
         activate(window, qtbot)
-        assert_walked(window, qtbot)
+        assert find_walked(window, window, qtbot)
         window.close()
     for make in DIALOGS.values():
         dialog = make(viewer.window)
         dialog.show()
         activate(dialog, qtbot)
-        assert_walked(dialog, qtbot)
+        assert find_walked(dialog, dialog, qtbot)
         qtbot.keyClick(dialog, Qt.Key.Key_Escape)
         assert not dialog.isVisible()
         if isinstance(dialog, FolderQuestion):
