@@ -30,16 +30,14 @@ def contrast(one: str, other: str) -> float:
 
 
 @pytest.mark.parametrize("light", [False, True], ids=["dark", "light"])
-@pytest.mark.parametrize(
-    ("words", "ground"),
-    [
-        ("TEXT", "GROUND"), ("TEXT", "RAISED"), ("TEXT", "EDGE"), ("QUIET", "GROUND"), ("QUIET", "RAISED"),
-        ("ACCENT", "GROUND"), ("ACCENT", "RAISED"), ("MARK", "GROUND"), ("GROUND", "ACCENT")
-    ],
-)  # fmt: skip
-def test_words_stand_out(words, ground, light):
+def test_words_stand_out(light):
     assert contrast("#000000", "#ffffff") == pytest.approx(21.0), "as WCAG gives it"
-    assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5
+    for words, *grounds in (
+        ("TEXT", "GROUND", "RAISED", "EDGE"), ("QUIET", "GROUND", "RAISED"), ("ACCENT", "GROUND", "RAISED"),
+        ("MARK", "GROUND"), ("GROUND", "ACCENT"),
+    ):  # fmt: skip
+        for ground in grounds:
+            assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5, (words, ground)
 
 
 def test_the_theme_changes_in_the_open_window(viewer, qtbot, qapp):
