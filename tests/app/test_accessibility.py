@@ -1,6 +1,5 @@
 """Every control of the window explains itself, has a name for screen readers, and is worked by the keyboard alone."""
 
-from collections.abc import Callable
 from itertools import product
 
 from controls import accessible_name, activate, assert_side_by_side, bring_to_front, controls_of, focusable, place_of
@@ -140,25 +139,13 @@ def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
             assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
 
 
-DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
-    "about": AboutDialog,
-    "keys": lambda window: KeysDialog(window, window.menus.all),
-    "gallery": scene_gallery,
-    "new scene": NewScene,
-    "data set": lambda window: DatasetQuestion(["mines"], sections_of(load_scene("default")), window),
-    "survey": lambda window: SurveyQuestion(load_scene("default"), window),
-}
-
-MOST = 400  # more than any window has controls
-
-
 def walk(window: QWidget, qtbot) -> set[QWidget]:
     """Press Tab until the keyboard comes round, and return every widget that had it."""
     qtbot.waitUntil(window.isActiveWindow)
     qtbot.keyClick(window, Qt.Key.Key_Tab)
     first = QApplication.focusWidget()
     reached: set[QWidget] = {first}
-    for _ in range(MOST):
+    for _ in range(400):  # more than any window has controls
         qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
         focus = QApplication.focusWidget()
         if focus is first and len(reached) > 1:
@@ -193,8 +180,11 @@ def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dia
         activate(window, qtbot)
         assert find_walked(window, window, qtbot)
         window.close()
-    for make in DIALOGS.values():
-        dialog = make(viewer.window)
+    window, scene = viewer.window, load_scene("default")
+    dialogs = [make(window) for make in (AboutDialog, scene_gallery, NewScene)]
+    dialogs += [KeysDialog(window, window.menus.all), SurveyQuestion(scene, window)]
+    dialogs.append(DatasetQuestion(["mines"], sections_of(scene), window))
+    for dialog in dialogs:
         dialog.show()
         activate(dialog, qtbot)
         assert find_walked(dialog, dialog, qtbot)
