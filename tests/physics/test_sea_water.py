@@ -20,14 +20,11 @@ QUIET = {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal", "track.
 QUIET |= {"seabed.material.diffuse": 0.2}  # at every frequency
 
 
-def test_absorption_is_as_tabulated_and_pieces_of_pure_water_meet_at_20_degrees():
+def test_absorption_is_as_tabulated_lessened_by_pressure_and_increased_by_salt():
     for frequency, row in TABLE.items():
         assert {t: francois_garrison(frequency, t) for t in row} == pytest.approx(row, rel=1e-3), frequency
     below, above = (francois_garrison(900e3, t) for t in (20.0, 20.0 + 1e-9))
-    assert above == pytest.approx(below, rel=1e-3)
-
-
-def test_pressure_lessens_and_salt_increases_it():
+    assert above == pytest.approx(below, rel=1e-3), "pieces of pure water meet at 20 °C"
     surface = francois_garrison(100e3, 10.0)
     assert francois_garrison(100e3, 10.0, depth=1000.0) < surface
     assert francois_garrison(100e3, 10.0, salinity=38.0) > surface
