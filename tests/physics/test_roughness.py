@@ -139,20 +139,16 @@ def test_wider_bands_have_more_defects(monkeypatch):
         return kept(ripples, a, b, level)
 
     monkeypatch.setattr(Ripples, "shape_waves", shape_waves)
-
-    def defects(bandwidth):
+    for bandwidth in (0.08, 0.16):
         found.clear()
         heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         phase = np.concatenate(found)  # row by row
         around = [np.roll(phase, shift, (0, 1)) for shift in ((0, 0), (0, -1), (-1, -1), (-1, 0), (0, 0))]
         turns = sum((step + np.pi) % (2 * np.pi) - np.pi for step in np.diff(around, axis=0)) / (2 * np.pi)
-        return np.abs(np.rint(turns)).sum()
-
-    # A Gaussian field with the spreads s of wave numbers along both axes has s²/2π of them a square metre,
-    # with s in radians a metre (Berry and Dennis 2000, eq. 3.11).
-    for bandwidth in (0.08, 0.16):
+        # A Gaussian field with the spreads s of wave numbers along both axes has s²/2π of them a square metre,
+        # with s in radians a metre (Berry and Dennis 2000, eq. 3.11).
         spread = 2 * np.pi * bandwidth / 0.8
-        assert defects(bandwidth) == pytest.approx(PERIOD**2 * spread**2 / (2 * np.pi), rel=0.15)
+        assert np.abs(np.rint(turns)).sum() == pytest.approx(PERIOD**2 * spread**2 / (2 * np.pi), rel=0.15)
 
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
@@ -205,14 +201,11 @@ def test_autocorrelation_is_recovered(of, power):
         np.testing.assert_allclose(line / found[0, 0], np.exp(-((lag / 1.5) ** power)), atol=0.025)
 
 
-def test_autocorrelation_of_endless_ground_is_recovered():
+def test_autocorrelation_of_endless_ground_is_recovered_and_a_table_has_the_transform_of_its_law():
     made = {"kind": "autocorrelation", "function": {"kind": "exponential", "length": 1.0}, "extent": "endless"}
     ground = [heights(seed, **made) for seed in range(4)]
     found = np.mean([[np.mean(z[:, : z.shape[1] - lag] * z[:, lag:]) for lag in range(40)] for z in ground], axis=0)
     np.testing.assert_allclose(found / found[0], np.exp(-0.1 * np.arange(40)), atol=0.05)
-
-
-def test_tabled_autocorrelation_has_the_transform_of_its_law():
     of = {"kind": "table", "points": [[0.02 * k, math.exp(-0.02 * k)] for k in range(600)]}
     table = seabed(kind="autocorrelation", function=of).relief.density()
     law = seabed(kind="autocorrelation", function={"kind": "exponential", "length": 1.0}).relief.density()
@@ -264,7 +257,8 @@ def test_parts_of_a_sum_are_independent_and_add_up():
     np.testing.assert_array_equal(periodic_heights(both.random_reliefs, (SIDE, SIDE), (SIDE, SIDE), 1), total)
 
 
-NO_SURFACE = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
+BOX = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
+NO_SURFACE = {"kind": "autocorrelation", "function": BOX, "period": PERIOD}
 MISTAKES = [
     ({"kind": "ripples", "wavelength": 0.2}, r"relief\.wavelength 0\.2 m spans fewer than 3 cells .*; lengthen"),
     ({"kind": "ripples", "wavelength": 60.0}, r"relief\.wavelength 60 m fits less than twice .*; shorten"),
@@ -274,10 +268,7 @@ MISTAKES = [
     ({"kind": "sum", "of": ["fractal", {"kind": "ripples", "period": 20.0}]}, r"give all the same period"),
     ({"kind": "sum", "of": ["cascade", {"kind": "ripples", "extent": "endless"}]}, r"give all the same extent"),
     ({"kind": "autocorrelation", "function": {"kind": "file", "path": "/none.csv"}}, r"does not exist; give a CSV"),
-    (
-        {"kind": "autocorrelation", "function": NO_SURFACE, "period": PERIOD},
-        r"^seabed\.relief\.function: .* would be negative, which no surface can have; let it",
-    ),
+    (NO_SURFACE, r"^seabed\.relief\.function: .* would be negative, which no surface can have; let it"),
 ]
 
 
