@@ -10,6 +10,7 @@ from insonify import simulate
 from insonify.io.records import RECORDS, read_record
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify_viewer.state.session import Session
+from insonify_viewer.widgets.save_dialogs import save_picture
 
 Buttons = QMessageBox.StandardButton
 
@@ -60,11 +61,16 @@ def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_p
     viewer.window.save.scene.trigger()
     assert "check that the folder can be written to" in viewer.window.status.sentence.text()
     assert viewer.session.unsaved
-    name(tmp_path / "window.png")
+    with pytest.raises(OSError, match="No such file"):
+        save_picture(viewer.window, tmp_path / "nowhere" / "window.png")
+    written = tmp_path / "window.png"
+    name(written)
     viewer.window.save.picture.trigger()
-    with Image.open(tmp_path / "window.png") as picture:
+    with Image.open(written) as picture:
         shown = viewer.window.size() * viewer.window.devicePixelRatioF()
         assert picture.size == shown.toTuple()
+    assert written.stat().st_size > 10_000
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.toml", "my.scene.toml", "saved.toml", "window.png"}
     asked = answer_questions(monkeypatch, Buttons.Discard)
     assert viewer.window.close(), "changes are discarded"
     assert len(asked) == 1

@@ -70,8 +70,8 @@ def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new
     viewer.session.settle({"seed": 5})
     assert (picture_of(waterfall) == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
-    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
-    assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
+    first = "simulating pings, 0 of 128"
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith(first))
     assert (picture_of(waterfall) == dimmed(bright)).all()
     assert dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32)).tolist() == [0xFF000000, 0xFF5E3003], "darker"
     plain = waterfall.grab().toImage().pixelColor(200, 26)
@@ -81,7 +81,7 @@ def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
 
 
-def test_the_bed_of_the_last_scene_is_faded_and_one_that_fails_is_told(open_viewer, small, qtbot, monkeypatch):
+def test_water_is_not_black_the_last_bed_is_faded_and_one_that_fails_is_told(open_viewer, small, qtbot, monkeypatch):
     going = threading.Event()
     draw = pv_meshes.bed_patch
 
@@ -101,6 +101,9 @@ def test_the_bed_of_the_last_scene_is_faded_and_one_that_fails_is_told(open_view
         return float(np.std(greys))
 
     usual = strongest_contrast()
+    image = viewer.seabed.view.grab().toImage()
+    water = image.pixelColor(image.width() // 8, 8)
+    assert water.blue() > water.red() > 40, "nothing is black above the bed"
     viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
     qtbot.waitUntil(lambda: not viewer._missing().size, timeout=120000)
     assert not viewer.complete
