@@ -85,8 +85,7 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     water = viewer.session.scene.water
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
     assert not viewer.session.history.undoable, "the key is still down"
-    QTest.keyRelease(view, Qt.Key.Key_Right)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, QTest.keyRelease, view, Qt.Key.Key_Right)
     viewer.session.undo()
     assert viewer.session.scene == layered, "one step of undo"
     for _ in range(3):

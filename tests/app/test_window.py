@@ -37,8 +37,8 @@ def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(vie
     assert not viewer.session.history.undoable, "the drag goes on"
     finish(viewer, qtbot, slider.setSliderDown, False)
     before = picture_of(viewer.window.waterfall).copy()
-    move_slider(number_row(viewer, "seabed.material.diffuse").slider, 600).setSliderDown(False)
-    qtbot.waitUntil(lambda: viewer.complete)
+    slider = move_slider(number_row(viewer, "seabed.material.diffuse").slider, 600)
+    finish(viewer, qtbot, slider.setSliderDown, False)
     assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
     assert (picture_of(viewer.window.waterfall) != before).any()
     # Palette and gain change the colours.
