@@ -123,8 +123,8 @@ def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
 
 
 def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_three_dimensions_lights_up(viewer, qtbot):
+    waterfall, readout = viewer.window.waterfall, viewer.panels["readout"].widget
     click(viewer, SHADOW, qtbot)
-    waterfall = viewer.window.waterfall
     place = waterfall.place_of(viewer.inspection.mark)
     image = waterfall.grab().toImage()
     assert is_like(image.pixelColor(place + QPoint(7, 0)), MARK)
@@ -145,6 +145,12 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_thre
     assert viewer.inspection.mark is None
     assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
     assert rows_of(viewer.panels["pixel"].view.budget) == []
+    # The readout tells the truth of the core.
+    labels = viewer._answer.simulation.truth(np.array([40]))
+    for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
+        _, side, range_bin = np.argwhere(found)[0]
+        waterfall.hovered.emit(Mark(40, int(side), int(range_bin)))
+        qtbot.waitUntil(lambda words=words: words in readout.text())
     # A click in three dimensions lights up its pixels.
     picked, lit = [], []
     viewer.inspection.picked.connect(picked.append)
