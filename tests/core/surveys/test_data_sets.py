@@ -29,7 +29,7 @@ from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Draw
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
 from insonify.surveys.storages import Tile, ZarrStore
-from own_things import forgetting
+from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
 BASE = load_scene("default")
