@@ -88,9 +88,7 @@ class Gaps(QObject):
 
     def __init__(self, tick: int = TICK) -> None:
         super().__init__()
-        # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
-        self.gaps, self.busy = array("d"), array("d")
-        self.causes: Counter[str] = Counter()
+        self.clear()
         self._last, self._ending = _now(), threading.Event()
         self._begun, self._drawn = self._last, np.zeros(3)
         self._seen = ""
@@ -143,8 +141,9 @@ class Gaps(QObject):
 
     def clear(self) -> None:
         """Forget all gaps so far."""
+        # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
         self.gaps, self.busy = array("d"), array("d")
-        self.causes.clear()
+        self.causes: Counter[str] = Counter()
 
     def _sample(self) -> None:
         """Note where the threads are while a gap lasts: the main thread, and those that may hold the interpreter."""
