@@ -106,15 +106,10 @@ def knife(
     energy = cosine**2 * diffuse / np.pi * ds * spread**2 * middle**4
     # A jump from one ridge to the next is no piece of surface.
     same &= ds * cosine < 4.0 * np.diff(angles) * middle
-    return _spread(arrays, r[:-1][same], r[1:][same], energy[same])
-
-
-def _spread(arrays: SceneArrays, near: np.ndarray, far: np.ndarray, energy: np.ndarray) -> np.ndarray:
-    """Spread energies evenly over stretches of slant range."""
-    out = np.zeros(arrays.bins)
-    for share in (np.arange(8) + 0.5) / 8:
-        place = near + share * (far - near)
-        k = np.floor(place / arrays.bin_length).astype(int)
-        inside = (k >= 0) & (k < arrays.bins)
-        np.add.at(out, k[inside], energy[inside] / 8 * range_factor(arrays, place[inside]))
-    return out
+    near, far = r[:-1][same], r[1:][same]
+    # Energies are spread evenly over their stretches of slant range.
+    place = near + (np.arange(8)[:, None] + 0.5) / 8 * (far - near)
+    k = np.floor(place / arrays.bin_length).astype(int)
+    inside = k < arrays.bins
+    energies = energy[same] / 8 * range_factor(arrays, place)
+    return np.bincount(k[inside], energies[inside], arrays.bins)
