@@ -39,6 +39,7 @@ EVERYTHING = {
     "receiver__interference": {"kind": "sonar", "level": -50.0, "ping_rate": 7.0, "duration": 1e-3},
     "receiver__recorder": {"bits": 8, "gain": [[0.0, 0.0], [1.0, 3.0]], "side_gain": 1.0, "dropped_pings": 0.2},
 }
+FOUR_LOOKS = {"kind": "rayleigh", "looks": 4}
 
 
 def reception(declared, bins=BINS, law=SONAR, **options):
@@ -91,6 +92,7 @@ def test_an_even_echo_grows_with_the_pulse_and_light_does_not():
         *({"track__speed": speed} for speed in (2.0, 0.02, 1e-3)),
         {"receiver__speckle": "none", "receiver__tvg": "table"},
         {"receiver__speckle": "rayleigh", "receiver__tvg": "table"},
+        *({"receiver__speckle": kind, "receiver__crosstalk": -10.0} for kind in ("none", "k", FOUR_LOOKS)),
     ],
 )
 def test_whatever_it_does_belongs_to_ping_side_and_bin(changes):

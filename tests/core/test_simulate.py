@@ -152,8 +152,21 @@ def test_a_stream_holds_no_more_than_64_mb_however_long_it_is(monkeypatch):
     assert long < 64e6
 
 
-def test_any_ping_is_a_function_of_the_scene_and_its_number():
-    simulation = prepare(small(20, receiver__speckle="rayleigh"))
+VOLUMES = [{"kind": "school", "position": [4.0, 15.0, -25.0]}, {"kind": "plume", "position": [2.0, -20.0, -30.0]}]
+WATER = {"receiver__noise": "ambient", "receiver__reverberation": "volume", "receiver__crosstalk": -10.0}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"receiver__speckle": "rayleigh"},
+        {"receiver__speckle": "rayleigh", "receiver__noise": "ambient", "volumes": VOLUMES},
+        {"receiver__speckle": "coherent", "receiver__fluctuation": {"kind": "lognormal", "travel_time": 1e-4}, **WATER},
+    ],
+    ids=["speckle", "volumes", "scatterers"],
+)
+def test_any_ping_is_a_function_of_the_scene_and_its_number(changes):
+    simulation = prepare(small(20, **changes))
     pings = np.arange(30)
     whole = simulation.intensity(pings)
     order = np.random.default_rng(0).permutation(30)

@@ -1,5 +1,6 @@
 """Each tracer traces pings by themselves, and a tracer of somebody else's is planned, traced and received."""
 
+import itertools
 import math
 import re
 from functools import partial
@@ -14,11 +15,15 @@ from insonify.cli import main
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.water.surfaces import WAYS
 from insonify.simulation import prepare
-from insonify.tracers import base, march, rays, sweep
+from insonify.tow.poses import take_poses
+from insonify.tracers import base, march, ray_sheets, rays, sweep
 from insonify.tracers.base import find_tracer, list_methods
 from insonify.tracers.labels import trace_labels
 from insonify.tracers.scatterers import ScattererTracer
+from sea_surfaces import under_sea
+from water import water_about
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
 SPECKLED = {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
@@ -118,18 +123,30 @@ TRACES = {
     "sweep": sweep.trace,
     "march": partial(march.trace, rays=100, step=0.2),
     "rays": partial(rays.trace, rays=300),
+    "sheets": partial(ray_sheets.trace, sheets=4, rays=100),
 }
 FINE = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=5000)}
+WATERS = {
+    "even": lambda arrays: arrays,
+    "thermocline": lambda arrays: arrays._replace(
+        water=water_about(8.0, [-50.0, 2.0, 6.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0])
+    ),
+    "sea": lambda arrays: under_sea(arrays, 14.0, *WAYS, wind_speed=4.0),
+}
+# Rays in sheets are traced without a sea.
+CASES = [case for case in itertools.product(TRACES, WATERS) if case != ("sheets", "sea")]
 
 
-@pytest.mark.parametrize("name", TRACES)
-def test_threads_blocks_and_order_leave_every_bit(name):
-    arrays, trace = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[BALL], half_width=FAN), TRACES[name]
-    along = np.arange(90) * 0.3
-    one = trace(arrays, poses_of(along, 0.0, 8.0), threads=1)
-    np.testing.assert_array_equal(one, trace(arrays, poses_of(along, 0.0, 8.0), threads=3))
-    np.testing.assert_array_equal(one[::-1], trace(arrays, poses_of(along[::-1], 0.0, 8.0), threads=2))
-    parts = [trace(arrays, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
+@pytest.mark.parametrize(("name", "water"), CASES)
+def test_threads_blocks_and_order_leave_every_bit(name, water):
+    options = {"periodic": True, "solids": [BALL], "half_width": FAN, "bins": 300, "bin_length": 0.1}
+    arrays = WATERS[water](arrays_of(rough(64, 64, 0.2), 0.5, **options))
+    trace, along = TRACES[name], np.arange(90) * 0.3
+    poses = poses_of(along, 0.0, 8.0 + 0.9 * np.sin(along))
+    one = trace(arrays, poses, threads=1)
+    np.testing.assert_array_equal(one, trace(arrays, poses, threads=3))
+    np.testing.assert_array_equal(one[::-1], trace(arrays, take_poses(poses, slice(None, None, -1)), threads=2))
+    parts = [trace(arrays, take_poses(poses, slice(k, k + 7))) for k in range(0, 90, 7)]
     np.testing.assert_array_equal(one, np.concatenate(parts))
 
 

@@ -255,16 +255,6 @@ def test_straight_down_is_a_straight_line():
     assert found[0] == pytest.approx(water.reference * time, abs=1e-9)
 
 
-def test_records_do_not_depend_on_threads():
-    arrays = arrays_of(rough(64, 64), 0.5, periodic=True, half_width=FAN, bins=200, bin_length=0.3)
-    arrays = arrays._replace(water=water_of(*THERMOCLINE, surface=SURFACE))
-    poses = poses_of(np.arange(20.0), 0.0, 20.0 + 0.1 * np.sin(np.arange(20.0)))
-    whole = rays.trace(arrays, poses, rays=500, threads=1)
-    assert (rays.trace(arrays, poses, rays=500, threads=3) == whole).all()
-    alone = rays.trace(arrays, type(poses)(*(column[7:8] for column in poses)), rays=500)
-    assert (alone[0] == whole[7]).all()
-
-
 def test_a_section_that_is_the_same_everywhere_is_layers():
     water, speed = thermocline(), THERMOCLINE[1]
     section = water._replace(
