@@ -39,16 +39,11 @@ class ArrayCache:
     def __init__(self, limit: int) -> None:
         self.limit = limit
         self._results: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()  # with their bytes
-        self._bytes = 0
+        self.bytes = 0  # of all arrays that are kept
         self._lock = Lock()
         self._making: dict[Hashable, Lock] = {}  # locked by the thread that makes a result; others wait for it
         self._tokens: weakref.WeakKeyDictionary[Callable[..., Any], object] = weakref.WeakKeyDictionary()
         self._dead: deque[object] = deque()  # tokens of functions that are gone
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of all arrays that are kept."""
-        return self._bytes
 
     def keep(self, function: Callable[Arguments, Kept]) -> Callable[Arguments, Kept]:
         """Return a function of hashable arguments that keeps its results, which must not be written to."""
@@ -82,7 +77,7 @@ class ArrayCache:
         """Drop all results; they are made again when needed."""
         with self._lock:
             self._results.clear()
-            self._bytes = 0
+            self.bytes = 0
 
     def _newest(self, key: Hashable) -> Any:
         """Return a result that is kept, as the most recently used from now on."""
@@ -94,21 +89,17 @@ class ArrayCache:
         try:
             made = make()
             with self._lock:
-                self._put(key, made)
+                self._drop_dead()
+                if key not in self._results:  # a thread that began before the store was cleared may have made it
+                    size = _bytes_of(made)
+                    self._results[key] = made, size
+                    self.bytes += size
+                while self.bytes > self.limit and len(self._results) > 1:
+                    self.bytes -= self._results.popitem(last=False)[1][1]
             return made
         finally:
             with self._lock:
                 self._making.pop(key, None)
-
-    def _put(self, key: Hashable, made: Any) -> None:
-        self._drop_dead()
-        if key in self._results:  # made by a thread that had begun before the store was cleared
-            return
-        size = _bytes_of(made)
-        self._results[key] = made, size
-        self._bytes += size
-        while self._bytes > self.limit and len(self._results) > 1:
-            self._bytes -= self._results.popitem(last=False)[1][1]
 
     def _drop(self, token: object) -> None:
         """Drop the results of a function that is gone, now or with the next result."""
@@ -124,7 +115,7 @@ class ArrayCache:
         while self._dead:
             token = self._dead.popleft()
             for key in [key for key in self._results if key[0] is token]:  # type: ignore[index]
-                self._bytes -= self._results.pop(key)[1]
+                self.bytes -= self._results.pop(key)[1]
 
 
 def _versions(given: tuple[Any, ...]) -> tuple[Any, ...]:

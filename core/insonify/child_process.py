@@ -46,12 +46,10 @@ class ChildProcess:
 
     def send(self, request: Any) -> None:
         """Send a request; raises OSError if the process has ended."""
-        assert self.process.stdin is not None
         _write(self.process.stdin, request)
 
     def receive(self) -> Any:
         """Wait for an answer; raises EOFError if the process ends without it."""
-        assert self.process.stdout is not None
         return _read(self.process.stdout)
 
     def receive_within(self, seconds: float) -> Any:

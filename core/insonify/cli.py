@@ -9,6 +9,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from contextlib import redirect_stdout, suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
@@ -140,24 +141,16 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
             else:
                 sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
     if "view" not in subparsers.choices:
-        _add_missing_view(subparsers, missing)
+        from insonify.commands.options import add_scene  # lazy: loads the models of the scene
+
+        view = subparsers.add_parser("view", help="open the viewer (not installed)")
+        add_scene(view, optional=True)
+        view.set_defaults(run=partial(_without_viewer, missing))
     return parser, subparsers.choices
 
 
 def _is_of_viewer(entry: importlib.metadata.EntryPoint) -> bool:
     return entry.module.partition(".")[0] == VIEWER
-
-
-def _add_missing_view(subparsers: Any, error: ImportError) -> None:
-    """Add a ``view`` that explains why there is no viewer."""
-    from insonify.commands.options import add_scene  # lazy: loads the models of the scene
-
-    def run(arguments: argparse.Namespace) -> int:
-        return _without_viewer(error, arguments)
-
-    parser = subparsers.add_parser("view", help="open the viewer (not installed)")
-    add_scene(parser, optional=True)
-    parser.set_defaults(run=run)
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:

@@ -8,8 +8,8 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING, Any
 
 from insonify.compiler.progress import Compilation
 
@@ -43,22 +43,6 @@ class CompilationBar:
         elif self._progress is not None:
             self._progress.close()
             self._progress = None
-
-
-class Progress(Protocol):
-    """Where long work reports to."""
-
-    def advance(self, more: float) -> None:
-        """Report that so much more is done."""
-
-    def reach(self, done: float) -> None:
-        """Report how much is done by now, never less than before."""
-
-    def say(self, doing: str) -> None:
-        """Say what is being done now."""
-
-    def close(self) -> None:
-        """End the report."""
 
 
 class _Bar:
@@ -114,6 +98,9 @@ class _Lines:
         sys.stderr.flush()
 
 
+Progress = _Bar | _Lines  # words, and an amount done of a total, which never falls
+
+
 def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, delay: float = 0.0) -> Progress:
     """Begin to report the progress of long work."""
     if os.environ.get(VARIABLE) == "lines":
@@ -121,14 +108,9 @@ def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0, 
     return _Bar(doing, total, unit, done, delay)
 
 
-@contextmanager
-def report_progress(doing: str, total: float, unit: str = "", *, delay: float = 0.0) -> Iterator[Progress]:
+def report_progress(doing: str, total: float, unit: str = "", *, delay: float = 0.0) -> closing[Progress]:
     """Report progress while the context lasts; arguments as of `open_progress`."""
-    progress = open_progress(doing, total, unit, delay=delay)
-    try:
-        yield progress
-    finally:
-        progress.close()
+    return closing(open_progress(doing, total, unit, delay=delay))
 
 
 @contextmanager

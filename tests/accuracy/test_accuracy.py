@@ -97,9 +97,8 @@ def stepped(*edges):
 
 @pytest.mark.parametrize("moved", [-7.0, 1.0, 0.0, 30.0])
 def test_edges_moved_by_whole_bins(moved):
-    assert find_edge_shifts(stepped(100.0 + moved, 200.0 + moved), stepped(100.0, 200.0)) == pytest.approx(
-        [moved, moved]
-    )
+    found = find_edge_shifts(stepped(100.0 + moved, 200.0 + moved), stepped(100.0, 200.0))
+    assert found == pytest.approx([moved, moved])
 
 
 @pytest.mark.parametrize("moved", np.linspace(-1.0, 1.0, 9))
@@ -150,10 +149,8 @@ def test_a_lost_echo_is_told_as_such():
 
 
 def test_in_metres_of_a_record():
-    arrays, poses = (
-        arrays_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25),
-        poses_of(0.0, 0.0, 10.0),
-    )
+    arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25)
+    poses = poses_of(0.0, 0.0, 10.0)
     curve = compute_flat_bed_curves(arrays, poses)
     right = curve * np.stack([stepped(120.0, 200.0), np.ones(BINS)])
     found = measure_displacement(arrays, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
@@ -191,8 +188,7 @@ def test_pictures_alike():
 def test_what_is_exact_is_not_displaced():
     arrays = arrays_of(np.zeros((8, 8)), 32.0, periodic=True, solids=[((0.0, 20.0, 1.0), 1.0)])
     poses = poses_of(0.0, 0.0, 8.0)
-    found = measure_displacement(
-        arrays, poses, rays.trace(arrays, poses, rays=60_000), rays.trace(arrays, poses, rays=90_000)
-    )
+    few, many = (rays.trace(arrays, poses, rays=count) for count in (60_000, 90_000))
+    found = measure_displacement(arrays, poses, few, many)
     assert found.shadow_edge < 0.01
     assert found.echo < 0.01

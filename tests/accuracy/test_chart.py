@@ -62,7 +62,7 @@ def measured():
         return measure_chart(SMALL, pings=2)
 
 
-def test_every_method_is_measured_and_what_the_reference_does_not_resolve_is_said(measured, tmp_path):
+def test_every_method_is_measured_beside_its_reference_and_what_that_does_not_resolve_is_said(measured, tmp_path):
     methods = {"march", "rays", "sweep", "sweep, float64", "sweep, every 2nd node", "sweep, every 4th node"}
     methods |= {"sweep, whole segments", "sweep, segments to 3 %", "sweep, segments to 1 %"}
     assert methods <= {row.method for row in measured.rows}
@@ -72,6 +72,12 @@ def test_every_method_is_measured_and_what_the_reference_does_not_resolve_is_sai
     assert set(measured.scenes) == {False, True}
     of_both = [row.targets for row in measured.rows if not row.method.startswith("embree")]
     assert sum(of_both) == len(of_both) / 2
+    for row in measured.rows:
+        record, right = measured.normalise_row(row)
+        assert record.shape == right.shape == (2, 2, 100)
+        assert -1.0 <= measure_similarity(record, right) <= 1.0
+    best = min(measured.rows, key=lambda row: row.errors.beyond)
+    assert measure_similarity(*measured.normalise_row(best)) > 0.95
     # What the reference does not resolve is said.
     measured.save(tmp_path / "chart.csv")
     with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:
@@ -111,19 +117,11 @@ def test_what_the_division_of_segments_brings_over_a_rough_bed_is_charted():
     assert found["sweep"] < 0.01
 
 
-def test_record_of_a_point_and_its_reference(measured):
-    for row in measured.rows:
-        record, right = measured.normalise_row(row)
-        assert record.shape == right.shape == (2, 2, 100)
-        assert -1.0 <= measure_similarity(record, right) <= 1.0
-    best = min(measured.rows, key=lambda row: row.errors.beyond)
-    assert measure_similarity(*measured.normalise_row(best)) > 0.95
+class Stop(Exception):
+    """Raised to give up a measurement."""
 
 
 def test_progress_is_told_and_may_stop():
-    class Stop(Exception):
-        pass
-
     told = []
 
     def progress(share):
@@ -138,9 +136,6 @@ def test_progress_is_told_and_may_stop():
 
 
 def test_a_reference_is_given_up_after_any_ping(monkeypatch):
-    class Stop(Exception):
-        pass
-
     def told():
         raise Stop
 
@@ -265,14 +260,10 @@ def test_a_power_law_is_found_with_its_spread():
 
 
 def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
-    monkeypatch.setattr(cost, "SECONDS", 0.5)
-    monkeypatch.setattr(cost, "TARGETS", (1, 4))
-    monkeypatch.setattr(cost, "PINGS", (4, 8, 16, 32))
-    monkeypatch.setattr(cost, "STREAMED", (100, 400, 1600))
-    monkeypatch.setattr(cost, "SIDES", (128, 256, 512))
-    monkeypatch.setattr(cost, "DIVISIONS", (2, 3))
-    monkeypatch.setattr(cost, "BINS", (0.5, 1.0, 2.0))
-    monkeypatch.setattr(cost, "PLANES", (1, 2, 4))
+    few = {"SECONDS": 0.5, "TARGETS": (1, 4), "PINGS": (4, 8, 16, 32), "STREAMED": (100, 400, 1600)}
+    few |= {"SIDES": (128, 256, 512), "DIVISIONS": (2, 3), "BINS": (0.5, 1.0, 2.0), "PLANES": (1, 2, 4)}
+    for name, values in few.items():
+        monkeypatch.setattr(cost, name, values)
     told = []
     measured = cost.measure_chart(BARE, progress=told.append)
     axes = {

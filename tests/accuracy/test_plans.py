@@ -10,6 +10,7 @@ and so loud that beside it nothing would be an error.
 import itertools
 import math
 import time
+import timeit
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -177,11 +178,7 @@ def charted(packed: PackedScene) -> list[Model]:
 
 def seconds_of(packed: PackedScene, model: Model, poses: Poses) -> float:
     """Least time of one thread for a ping."""
-    taken = []
-    for _ in range(3):
-        began = time.thread_time()
-        trace_model(packed, model, poses)
-        taken.append(time.thread_time() - began)
+    taken = timeit.repeat(lambda: trace_model(packed, model, poses), timer=time.thread_time, number=1, repeat=3)
     return min(taken) / poses.x.size
 
 

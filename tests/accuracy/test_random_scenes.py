@@ -64,14 +64,8 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
     right, moved = reference(arrays, poses, tolerance=tolerance)
     record = sweep.trace(arrays, poses, planes=PLANES)
     errors = compare_records(arrays, poses, record, right)
-    return Judged(
-        scene,
-        arrays.mesh.target.size,
-        errors,
-        moved,
-        missed_edges(arrays, poses, record, right),
-        worst_level(record, right),
-    )
+    edges, level = missed_edges(arrays, poses, record, right), worst_level(record, right)
+    return Judged(scene, arrays.mesh.target.size, errors, moved, edges, level)
 
 
 def worst_level(record: np.ndarray, right: np.ndarray) -> float:

@@ -21,7 +21,7 @@ from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.surveys.datasets.scenes import draw_scene
 from insonify.surveys.datasets.specification import DatasetSpecification
 from insonify.surveys.lines.specification import SurveySpecification
-from insonify.surveys.lines.work import lay_lines
+from insonify.surveys.lines.work import lay_lawnmower
 from insonify.surveys.specification import read_specification
 from insonify_viewer.panels.jobs.view import jobs_view as jobs_window
 from insonify_viewer.panels.jobs.view.questions import PRESENT, DatasetQuestion, SurveyQuestion
@@ -132,9 +132,9 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, small, tmp
 
     monkeypatch.setattr(SurveyQuestion, "exec", answer)
     view.survey_wanted.emit()
-    specification = read_specification(begun[-1][1], SurveySpecification, {}, {})
+    specification = read_specification(begun[-1][1], SurveySpecification, "surveys")
     assert specification.mosaic.overlap == "nearest"
-    lines = lay_lines(specification)
+    lines = lay_lawnmower(specification.area)
     ahead, aside = np.array([math.sqrt(0.75), 0.5]), np.array([-0.5, math.sqrt(0.75)])
     for line, offset in zip(lines, (-20.0, 0.0, 20.0), strict=True):
         ends = np.array([line.start, line.end]) - (5.0, -3.0)
@@ -146,7 +146,7 @@ def test_charts_data_sets_surveys_and_pages_are_commands(open_viewer, small, tmp
     ranges = {"track_altitude": ("6", "900 cm"), "seabed_seed": ("1", "50")}
     monkeypatch.setattr(DatasetQuestion, "exec", lambda question: fill(question, tmp_path / "set", PRESENT, **ranges))
     view.dataset_wanted.emit()
-    specification = read_specification(begun[-1][1], DatasetSpecification, {}, {})
+    specification = read_specification(begun[-1][1], DatasetSpecification, "datasets")
     drawn = [draw_scene(specification, load_scene(specification.base), number) for number in range(20)]
     altitudes = [one.scene.track.altitude for one in drawn]
     assert all(6.0 <= altitude <= 9.0 for altitude in altitudes)

@@ -10,6 +10,7 @@ from insonify.scene import SceneError, build
 from insonify.terrain import build_ground
 
 EAST, NORTH = 560_000.0, 6_500_000.0
+HERE = {"origin": [EAST, NORTH]}
 MATERIALS = ["silt", "medium_sand", "rock"]
 PLACE = {"corner": (EAST, NORTH), "crs": "EPSG:32631", "nodata": np.nan}
 
@@ -42,7 +43,7 @@ def test_values_choose_materials_where_they_lie(tmp_path):
 
 def test_without_levels_materials_have_equal_shares(tmp_path):
     path = write_tiff(tmp_path / "a.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)), **PLACE)
-    ground = build_ground(scene(path, world={"origin": [EAST, NORTH]}))
+    ground = build_ground(scene(path, world=HERE))
     shares = np.bincount(ground.materials.ravel()) / ground.materials.size
     np.testing.assert_allclose(shares, 1.0 / 3.0, atol=0.01)
 
@@ -69,7 +70,7 @@ def test_another_map_is_transformed(tmp_path):
 def test_places_without_a_value_take_the_nearest(tmp_path):
     path = write_tiff(tmp_path / "a.tif", [[-40.0, np.nan, np.nan, -20.0]], **PLACE)
     with pytest.raises(SceneError, match="is only 4 by 1"):
-        build_ground(scene(path, world={"origin": [EAST, NORTH]}))
+        build_ground(scene(path, world=HERE))
     path = write_tiff(tmp_path / "b.tif", [[-40.0, np.nan, np.nan, -20.0]] * 2, **PLACE)
     ground = build_ground(scene(path, world={"origin": [EAST, NORTH - 4.0]}, levels=[-30.0, 0.0]))
     assert at(ground, [1.0, 3.0, 5.0, 7.0], [1.0] * 4) == ["silt", "silt", "medium_sand", "medium_sand"]
@@ -83,13 +84,9 @@ def test_places_without_a_value_take_the_nearest(tmp_path):
             {},
             "has no position on the bed; give a raster with coordinates, and world.origin and world.crs or a measured",
         ),
-        (
-            {"origin": [EAST, NORTH]},
-            {"levels": [1.0]},
-            "levels has 1 values for 3 materials; give one value less than materials",
-        ),
-        ({"origin": [EAST, NORTH]}, {"levels": [2.0, 1.0]}, "levels does not increase; sort it"),
-        ({"origin": [EAST, NORTH]}, {"path": "nowhere.tif"}, "does not exist"),
+        (HERE, {"levels": [1.0]}, "levels has 1 values for 3 materials; give one value less than materials"),
+        (HERE, {"levels": [2.0, 1.0]}, "levels does not increase; sort it"),
+        (HERE, {"path": "nowhere.tif"}, "does not exist"),
     ],
 )
 def test_what_cannot_be_laid_is_one_sentence(tmp_path, world, fields, expected):

@@ -10,25 +10,17 @@ from insonify.scene import SceneError, load_scene
 from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
 
-SEABIRD = """* Sea-Bird SBE19plus  Data File:
-# nquan = {count}
-{names}
-# bad_flag = -9.990e-29
-*END*
-{rows}
-"""
-
-
-def seabird(path, names, rows):
-    lines = [f"# name {number} = {name}" for number, name in enumerate(names)]
-    table = "\n".join("".join(f"{cell:11.6g}" for cell in row) for row in rows)
-    path.write_text(SEABIRD.format(count=len(names), names="\n".join(lines), rows=table))
-    return str(path)
-
 
 def text(path, content):
     path.write_text(content)
     return str(path)
+
+
+def seabird(path, names, rows):
+    head = ["* Sea-Bird SBE19plus  Data File:", f"# nquan = {len(names)}"]
+    head += [f"# name {number} = {name}" for number, name in enumerate(names)]
+    table = ["".join(f"{cell:11.6g}" for cell in row) for row in rows]
+    return text(path, "\n".join([*head, "# bad_flag = -9.990e-29", "*END*", *table, ""]))
 
 
 @pytest.fixture(scope="session")
@@ -60,7 +52,7 @@ def test_a_profile_with_noise_at_the_surface_becomes_steps(casts):
     assert cast.sound_speed[0] == pytest.approx(np.mean(noise))
 
 
-def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
+def test_a_seabird_cast_leaves_out_soak_and_way_up_and_has_salinity_from_conductivity(casts):
     cast = read_cast(str(casts / "Hotin.cnv"))
     # The pump runs from 1.25 m on; before, the salinity rises from -3.9 to 33.6.
     assert cast.salinity.min() > 34.2
@@ -68,9 +60,6 @@ def test_a_seabird_cast_leaves_out_soak_and_way_up(casts):
     assert cast.depth[-1] == pytest.approx(14.0)
     speed = make_sound_speed_field(CastWater(path=str(casts / "Hotin.cnv"))).speed
     assert 1478.0 < speed.min() < speed.max() < 1480.0
-
-
-def test_a_seabird_cast_without_salinity_has_it_from_conductivity(casts):
     cast = read_cast(str(casts / "PIRA001.cnv"))
     np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
     np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)
@@ -141,13 +130,10 @@ def test_columns_go_by_their_names(tmp_path, name, head, mark):
     np.testing.assert_array_equal(cast.sound_speed, [1510.0, 1505.0, 1500.0])
 
 
-def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
+def test_a_descent_of_centimetres_with_times_and_unsorted_and_repeated_depths_become_one_profile(tmp_path):
     rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
     cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
     assert cast.depth.size == 2
-
-
-def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
     rng = np.random.default_rng(3)
     depth = rng.uniform(0.0, 20.0, 400).round(1)
     lines = [f"{d},{1500 - 2 * d}" for d in depth]

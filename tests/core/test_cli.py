@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -87,15 +88,7 @@ def test_a_mistake_is_one_sentence(capsys, monkeypatch, tmp_path, command, expec
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_terminal_is_given_no_commands_by_a_title(capsys, tmp_path):
-    """Escape, bell, an operating-system command, and a mark that turns text to the left."""
-    path = tmp_path / "evil.toml"
-    path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
-    assert main(["scenes", str(path)]) == 0
-    assert capsys.readouterr().out == "a]0;ownedb\n"
-
-
-def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys):
+def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys, tmp_path):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(bundled_scenes())
@@ -106,6 +99,11 @@ def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys):
     for scene in map(load_scene, ("figure-2a", "wreck")):
         assert scene.title in said.splitlines()
         assert scene.about in " ".join(said.split())
+    # Escape, bell, an operating-system command, and a mark that turns text to the left give a terminal no commands.
+    path = tmp_path / "evil.toml"
+    path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
+    assert main(["scenes", str(path)]) == 0
+    assert capsys.readouterr().out == "a]0;ownedb\n"
 
 
 def test_plan_names_the_method(capsys):
@@ -170,13 +168,8 @@ def test_a_folder_without_rights_is_a_sentence(tmp_path, capsys):
 
 def without(monkeypatch: pytest.MonkeyPatch, error: ImportError) -> None:
     """Let the viewer's own ``view`` fail as it does on a machine that lacks something."""
-    import insonify_viewer.commands
-
-    def run(arguments: object) -> int:
-        raise error
-
-    run.__module__ = "insonify_viewer.commands"
-    monkeypatch.setattr(insonify_viewer.commands, "run", run)
+    run = Mock(side_effect=error, __module__="insonify_viewer.commands")
+    monkeypatch.setattr("insonify_viewer.commands.run", run)
 
 
 def test_without_the_viewer_the_remedy_is_said(capsys, monkeypatch):
@@ -296,10 +289,7 @@ def test_streams_on_a_full_disk_are_told_as_far_as_they_can_be(words):
 
 
 def test_an_interrupt_while_the_command_loads_is_one_sentence(monkeypatch, capsys):
-    def interrupted():
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(process, "load", interrupted)
+    monkeypatch.setattr(process, "load", Mock(side_effect=KeyboardInterrupt))
     assert process.main() == 130
     assert capsys.readouterr().err == "insonify: interrupted; no file was touched\n"
 

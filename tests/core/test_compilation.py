@@ -46,11 +46,8 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_every_folder_of_kernels_has_words() -> None:
+def test_every_folder_of_kernels_has_words_and_a_kernel_is_known_with_all_that_it_calls() -> None:
     assert {path.name for path in (SOURCES / "kernels").iterdir() if (path / "__init__.py").exists()} == set(WORDS)
-
-
-def test_a_kernel_is_known_with_all_that_it_calls() -> None:
     assert weigh_knots.py_func in called_functions(sweep_pings.py_func)
     assert sweep_pings.py_func not in called_functions(weigh_knots.py_func)
 
@@ -109,9 +106,7 @@ def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize("screen", [Terminal, io.StringIO])
-def test_a_terminal_shows_a_bar_until_the_kernel_is_finished(
-    screen: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_terminal_shows_a_bar_until_the_kernel_is_finished(screen, monkeypatch) -> None:
     monkeypatch.setattr(progress, "DELAY", 0.0)
     monkeypatch.setattr(sys, "stderr", screen())
     bar = progress.CompilationBar()

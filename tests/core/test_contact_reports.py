@@ -37,15 +37,12 @@ def test_placemarks_lie_at_longitude_and_latitude(tmp_path):
     assert not (tmp_path / "none.kml").exists()
 
 
-def test_a_page_shows_texts_as_they_are_with_the_picture(tmp_path):
+def test_a_page_shows_texts_as_they_are_with_the_picture_and_a_long_list_goes_on_to_the_next_of_paper(tmp_path):
     write_report(tmp_path / "found.html", [HERE, NOWHERE])
     page = (tmp_path / "found.html").read_text(encoding="utf-8")
     assert "wreck &lt;b&gt;" in page
     assert "a &amp; b $x$" in page
     assert page.count("data:image/png;base64,") == 2
-
-
-def test_a_long_list_goes_on_to_the_next_page_of_paper(tmp_path):
     write_report(tmp_path / "found.pdf", [HERE, NOWHERE] * 4 + [replace(HERE, snapshot=b"")])
     written = (tmp_path / "found.pdf").read_bytes()
     assert written.startswith(b"%PDF")

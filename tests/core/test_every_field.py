@@ -13,31 +13,21 @@ from pydantic import BaseModel
 
 from bathymetry_files import write_tiff
 from field_changes import CHANGES, ELSEWHERE, WHY_NOT, WHY_NOT_OF_MATERIALS
-from insonify.scene import Scene, edit, scene_from_toml
+from insonify.scene import Scene, build, edit
 from insonify.scene.base import kind_name, models_of
 from insonify.simulation import simulate
 
-BASE = """
-title = "Every field"
-[seabed]
-spacing = 0.5
-material = { name = "coarse_sand" }
-relief = { kind = "fractal", beta = 1.6, peaks = [[6.0, 3.0]], period = 16.0, rms = 0.1 }
-[[targets]]
-kind = "pipe"
-position = [2.0, 12.0]
-length = 6.0
-[[targets]]
-kind = "sphere"
-position = [1.0, -12.0]
-[sonar]
-beam = { kind = "fan", width = 4.0 }
-range = 30.0
-bins = 120
-[track]
-altitude = 7.0
-pings = 12
-"""
+RELIEF = {"kind": "fractal", "beta": 1.6, "peaks": [[6.0, 3.0]], "period": 16.0, "rms": 0.1}
+PIPE, BALL = {"kind": "pipe", "position": [2.0, 12.0], "length": 6.0}, {"kind": "sphere", "position": [1.0, -12.0]}
+BASE = build(
+    {
+        "title": "Every field",
+        "seabed": {"spacing": 0.5, "material": "coarse_sand", "relief": RELIEF},
+        "targets": [PIPE, BALL],
+        "sonar": {"beam": {"kind": "fan", "width": 4.0}, "range": 30.0, "bins": 120},
+        "track": {"altitude": 7.0, "pings": 12},
+    }
+)
 
 
 def fields(model: type[BaseModel], path: str = "") -> Iterator[str]:
@@ -147,7 +137,7 @@ def with_some_slow(paths):
 @pytest.mark.parametrize("path", [*with_some_slow([*CHANGES, *DERIVED])])
 def test_it_changes_the_record(path, bed_files):
     needs, change = (with_files(part, bed_files) for part in (CHANGES | DERIVED)[path])
-    before = edit(scene_from_toml(BASE), needs)
+    before = edit(BASE, needs)
     one, other = record_of(before), simulate(edit(before, change))
     if path in ELSEWHERE:
         assert not one[ELSEWHERE[path]].equals(other[ELSEWHERE[path]])
@@ -166,7 +156,7 @@ def record_of(scene: Scene) -> xr.Dataset:
     ("path", "value"), [("title", "Another"), ("description", "Another"), ("world.crs", "EPSG:32631")]
 )
 def test_what_is_for_people_and_maps_stands_in_the_attributes_alone(path, value):
-    scene = edit(scene_from_toml(BASE), {"track.pings": 2})
+    scene = edit(BASE, {"track.pings": 2})
     one, other = simulate(scene), simulate(edit(scene, {path: value}))
     xr.testing.assert_equal(one, other)
     assert value in other.attrs["scene"]

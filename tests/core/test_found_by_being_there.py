@@ -1,7 +1,7 @@
 """Kinds, commands and file formats are found by standing in a package, here or in an installed one."""
 
 import json
-import sys
+from contextlib import contextmanager
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import insonify.commands
 from insonify import cli, plugins
@@ -24,7 +25,7 @@ from insonify.scene.base import Declaration, Family, models_of, parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
 from insonify.terrain import build_ground
-from own_things import added_format, forgetting
+from own_kinds import forgetting
 
 SMALL = ("pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100")
 
@@ -34,33 +35,34 @@ def write_text(path, blocks):
 
 
 def read_text(path):
-    import xarray as xr
-
     return xr.Dataset.from_dict(json.loads(Path(path).read_text()))
 
 
-DUMMY = FileFormat("JSON text", (".json",), read_text, write_text)
-
-
-def words(capsys, *arguments):
-    with pytest.raises(SystemExit):
-        cli.main(arguments)
-    return " ".join("".join(capsys.readouterr()).split())
+@contextmanager
+def added_format(registry, extra):
+    formats = registry.formats()
+    formats.append(extra)
+    try:
+        yield
+    finally:
+        formats.remove(extra)
 
 
 def test_a_new_record_format_is_written_read_drawn_and_named_in_help(tmp_path, capsys):
     path = tmp_path / "record.json"
     assert cli.main(["render", *SMALL, "-o", str(path)]) == 2
     assert "end the name in" in capsys.readouterr().err
-    with added_format(RECORDS, DUMMY):
+    with added_format(RECORDS, FileFormat("JSON text", (".json",), read_text, write_text)):
         for out in (path, tmp_path / "record.npz"):
             assert cli.main(["render", *SMALL, "-o", str(out)]) == 0
         expected = read_record(tmp_path / "record.npz")
         np.testing.assert_allclose(read_record(path).intensity, expected.intensity, rtol=1e-6)
         assert cli.main(["render", str(path), "-o", str(tmp_path / "record.png")]) == 0
-        capsys.readouterr()
-        assert ".json (JSON text)" in words(capsys, "render", "--help")
-        assert ".json (JSON text)" in words(capsys, "compare", "--help")
+        for command in ("render", "compare"):
+            capsys.readouterr()
+            with pytest.raises(SystemExit):
+                cli.main([command, "--help"])
+            assert ".json (JSON text)" in " ".join(capsys.readouterr().out.split())
     with pytest.raises(SceneError, match=r"record\.json: is not a format known here; give a file that ends in one of"):
         read_record(path)
 
@@ -90,8 +92,6 @@ def test_one_new_file_adds_a_format(tmp_path, monkeypatch):
         registry.read("ab.nc")
     with pytest.raises(SceneError, match=r"^shelf: ab\.odd does not exist; give the path of a text$"):
         registry.read("ab.odd")
-    for name in ("shelf", "shelf.plain", "stranger"):
-        monkeypatch.delitem(sys.modules, name)
 
 
 def test_new_formats_of_beds_casts_meshes_and_navigation_are_read(tmp_path):
@@ -123,41 +123,24 @@ def test_no_two_formats_share_a_suffix():
         assert len(set(writable)) == len(writable)
 
 
-GREET = '''
-"""``insonify greet``: say hello."""
-
-from insonify.commands.options import say
-
-
+GREET = """
 def register(subparsers):
     parser = subparsers.add_parser("greet", help="say hello")
     parser.add_argument("name")
-    parser.set_defaults(run=run)
-
-
-def run(arguments):
-    say(f"hello {arguments.name}")
-    return 0
-'''
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    yield tmp_path
-    for module in [name for name in sys.modules if name.endswith("greet")]:
-        monkeypatch.delitem(sys.modules, module)
+    parser.set_defaults(run=lambda arguments: print("hello", arguments.name) or 0)
+"""
 
 
 @pytest.mark.parametrize("installed", [False, True])
-def test_one_new_file_or_an_installed_package_adds_a_sub_command(folder, monkeypatch, capsys, installed):
+def test_one_new_file_or_an_installed_package_adds_a_sub_command(tmp_path, monkeypatch, capsys, installed):
     if installed:
-        (folder / "stranger_greet.py").write_text(GREET)
-        monkeypatch.syspath_prepend(folder)
+        (tmp_path / "stranger_greet.py").write_text(GREET)
+        monkeypatch.syspath_prepend(tmp_path)
         entries = [EntryPoint("greet", "stranger_greet:register", cli.COMMANDS)]
         monkeypatch.setattr(cli, "announced", lambda group: entries)
     else:
-        (folder / "greet.py").write_text(GREET)
-        monkeypatch.setattr(insonify.commands, "__path__", [*insonify.commands.__path__, str(folder)])
+        (tmp_path / "greet.py").write_text(GREET)
+        monkeypatch.setattr(insonify.commands, "__path__", [*insonify.commands.__path__, str(tmp_path)])
     assert cli.main(["greet", "world"]) == 0
     assert capsys.readouterr().out == "hello world\n"
 

@@ -84,7 +84,7 @@ def test_a_record_is_what_it_was(name: str, request: pytest.FixtureRequest) -> N
         assert found["truth"] == kept["truth"]
 
 
-def test_the_example_is_the_record_of_the_default_scene_as_it_is_traced():
+def test_the_example_is_the_record_of_the_default_scene_as_it_is_traced_and_of_no_other_scene_or_version(monkeypatch):
     scene = load_scene("default")
     shipped, pings = example.read_example(scene), np.arange(scene.track.pings)
     assert shipped is not None, "run python docs/make example"
@@ -95,10 +95,6 @@ def test_the_example_is_the_record_of_the_default_scene_as_it_is_traced():
     assert off.max() <= 3e-6 * whole.min()  # by which processors may differ
     assert ((shipped == 0.0) == (traced == 0.0)).all()
     assert example.FILE.stat().st_size <= 2_000_000
-
-
-def test_the_example_stands_for_no_other_scene_or_version(monkeypatch):
-    scene = load_scene("default")
     assert example.read_example(edit(scene, {"seed": scene.seed + 1})) is None
     monkeypatch.setattr(example, "version", lambda _: "0.0")
     assert example.read_example(scene) is None

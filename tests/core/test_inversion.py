@@ -192,7 +192,7 @@ def test_a_level_bed_without_speckle_stays_level(scene):
     assert learned.receiver.speckle.kind == "rayleigh"
 
 
-def test_a_recording_does_not_tell_gains_and_material(record):
+def test_a_recording_does_not_tell_gains_and_material_but_pulse_and_beam_leave_traces(record):
     recording = record.drop_attrs()
     recording.attrs = {"title": "unknown sonar"}
     learned = insonify.learn(recording, {"sonar.pulse": {"kind": "tone", "duration": 1e-4}, "sonar.beam": FAN})
@@ -201,11 +201,7 @@ def test_a_recording_does_not_tell_gains_and_material(record):
     assert verdicts["level over range"] == verdicts["variation in even patches"] == MATCHED
     assert learned.scene.receiver.tvg.kind == "table"
     assert learned.scene.seabed.relief.beta == pytest.approx(1.4, abs=0.15)
-
-
-def test_pulse_and_beam_leave_traces(record):
-    recording = record.drop_attrs()
-    learned = insonify.learn(recording)
+    learned = insonify.learn(record.drop_attrs())
     assert learned.scene.sonar.pulse.length == pytest.approx(1e-4, rel=0.25)
     # A Gaussian beam, heard twice, that is as wide in the mean as the fan of 0.5 degrees.
     assert 0.3 <= learned.scene.sonar.beam.width <= 0.75

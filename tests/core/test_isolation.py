@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -71,7 +72,9 @@ def file(tmp_path: Path) -> str:
     return str(tmp_path / "file")
 
 
-def test_what_a_reader_returns_comes_back(file, monkeypatch):
+def test_what_a_reader_returns_comes_back_and_nothing_that_it_prints_reaches_the_terminal(file, monkeypatch, capfd):
+    assert run_isolated(chatter, file) == 3
+    assert capfd.readouterr() == ("", "")
     monkeypatch.chdir(Path(file).parent)
     found = run_isolated(give, "file")
     assert found["path"] == file
@@ -92,24 +95,19 @@ def test_modules_of_the_current_folder_are_not_imported(file, monkeypatch):
     assert not any(Path(found).is_relative_to(folder) for found in run_isolated(import_common, file))
 
 
-def test_a_loop_is_ended(file, monkeypatch):
-    assert run_isolated(chatter, file) == 3  # the process has started
-    began = time.perf_counter()
-    with monkeypatch.context() as patched:
-        patched.setattr(isolation, "LONGEST", 1.0)
-        with pytest.raises(FileFault, match="takes longer than 1 s to read"):
-            run_isolated(loop, file)
-    assert time.perf_counter() - began < 1.0 * child_process.STARVED + 4.0  # where others keep the processors busy
-    assert run_isolated(chatter, file) == 3
-
-
 def doze(path: str) -> int:
     time.sleep(1.5)
     return 4
 
 
-def test_a_reader_that_waits_is_ended_but_time_stands_still_while_it_waits_for_a_processor(file, monkeypatch):
+def test_a_reader_that_loops_or_waits_is_ended_but_time_stands_still_while_it_waits_for_a_processor(file, monkeypatch):
     assert run_isolated(chatter, file) == 3  # the process has started
+    began = time.perf_counter()
+    monkeypatch.setattr(isolation, "LONGEST", 1.0)
+    with pytest.raises(FileFault, match="takes longer than 1 s to read"):
+        run_isolated(loop, file)
+    assert time.perf_counter() - began < 1.0 * child_process.STARVED + 4.0  # where others keep the processors busy
+    assert run_isolated(chatter, file) == 3
     monkeypatch.setattr(isolation, "LONGEST", 0.5)
     with pytest.raises(FileFault, match="takes longer than"):
         run_isolated(doze, file)
@@ -150,11 +148,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):
-    assert run_isolated(chatter, file) == 3
-    assert capfd.readouterr() == ("", "")
-
-
 limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system has no limit for memory")
 
 
@@ -164,6 +157,7 @@ limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the
         (crash, FileFault, "the library that reads it fails"),
         pytest.param(allocate, RuntimeError, "does not fit in memory", marks=limited),  # by the size of the file
         (refuse, SceneError, "^it is refused; mend it$"),
+        (find_fault, FileFault, r"^\('is odd', 'even it'\)$"),  # with its remedy
         (fail, RuntimeError, "a name"),
     ],
 )
@@ -173,21 +167,11 @@ def test_a_fault_comes_back_and_the_next_file_is_read(file, reader, error, words
     assert run_isolated(chatter, file) == 3
 
 
-def test_a_fault_of_a_file_keeps_its_remedy(file):
-    with pytest.raises(FileFault) as caught:
-        run_isolated(find_fault, file)
-    assert (caught.value.fault, caught.value.remedy) == ("is odd", "even it")
-
-
 def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
     run_isolated(chatter, file)
     process = isolation._child
-
-    def interrupted(*arguments: object) -> None:
-        raise KeyboardInterrupt
-
     with monkeypatch.context() as patched:
-        patched.setattr(child_process, "_exactly", interrupted)
+        patched.setattr(child_process, "_exactly", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             run_isolated(give, file)
     assert process.process.poll() is not None

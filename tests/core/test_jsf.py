@@ -42,12 +42,16 @@ def test_samples_become_amplitudes(tmp_path, pings, starboard):
     np.testing.assert_allclose(amplitudes(record)[1], starboard, rtol=1e-6)
 
 
-def test_late_recording_and_fractions_of_a_nanosecond_count(tmp_path):
+def test_late_recording_fractions_of_a_nanosecond_and_milliseconds_of_the_day_count(tmp_path):
     record = read_record(write_jsf(tmp_path / "a.jsf", [{**PING, "skipped": 2, "fraction": 128, "interval": 1000}]))
     np.testing.assert_allclose(amplitudes(record)[0, 0], [0, 0, 1, 2, 3, 4])
     np.testing.assert_allclose(record.travel_time, 1000.5e-9 * (np.arange(6) + 0.5))
     older = read_record(write_jsf(tmp_path / "b.jsf", [{**PING, "fraction": 128, "interval": 1000}], version=9))
     np.testing.assert_allclose(older.travel_time, 1000e-9 * (np.arange(4) + 0.5))
+    day = 1_700_000_000 % 86_400 * 1000
+    pings = [{**PING, "time": 1_700_000_000, "milliseconds": day + 250 * n} for n in range(5)]
+    record = read_record(write_jsf(tmp_path / "c.jsf", pings))
+    np.testing.assert_allclose(record.ping_time, 0.25 * np.arange(5), atol=1e-6)
 
 
 def test_the_platform_in_the_conventions_of_scenes(tmp_path):
@@ -97,13 +101,6 @@ def test_what_is_not_valid_is_not_a_number(tmp_path):
     for name in ("depth", "heading", "pitch", "roll"):
         assert np.isnan(record[f"platform_{name}"]).all()
     assert "origin_x" not in record.attrs
-
-
-def test_milliseconds_of_the_day_refine_the_second(tmp_path):
-    day = 1_700_000_000 % 86_400 * 1000
-    pings = [{**PING, "time": 1_700_000_000, "milliseconds": day + 250 * n} for n in range(5)]
-    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
-    np.testing.assert_allclose(record.ping_time, 0.25 * np.arange(5), atol=1e-6)
 
 
 @pytest.mark.parametrize("less", [5, 250, 3 * 248 + 20])

@@ -93,10 +93,9 @@ def noise(seed: int, level: float) -> np.ndarray:
     return lambert() * 10.0 ** (level / 10.0) * speckle(seed)
 
 
-def converted(intensity: np.ndarray, full_scale: float, bits: int = 8) -> np.ndarray:
-    """Amplitudes rounded to steps of full scale."""
-    steps = 2**bits - 1
-    return np.rint(np.minimum(np.sqrt(intensity / full_scale), 1.0) * steps) ** 2
+def converted(intensity: np.ndarray, full_scale: float) -> np.ndarray:
+    """Amplitudes rounded to eight bits of full scale."""
+    return np.rint(np.minimum(np.sqrt(intensity / full_scale), 1.0) * 255.0) ** 2
 
 
 @pytest.mark.parametrize("level", [-20.0, -12.0, -8.0, -6.0])
@@ -122,16 +121,13 @@ def test_noise_and_spiky_speckle_are_no_shadows(level):
         assert np.isnan(found.shadow_depth)
 
 
-def test_eight_bits_measure_as_the_amplitudes_that_they_round():
+def test_eight_bits_measure_as_the_amplitudes_that_they_round_and_tell_how_deep_a_silent_shadow_is_at_least():
     even = speckle(1) * 1e4
     fine = record(shadowed(even) + 1e4 * 10.0**-1.5 * speckle(2))
     coarse = fine.assign(intensity=(fine.intensity.dims, converted(fine.intensity.values, 2e5).astype(np.float32)))
     one, other = measure_statistics(fine), measure_statistics(coarse)
     assert other.shadow_depth == pytest.approx(one.shadow_depth, abs=0.3)
     assert np.median(other.variation) == pytest.approx(np.median(one.variation), abs=0.01)
-
-
-def test_eight_bits_tell_how_deep_a_silent_shadow_is_at_least():
     # The bed's median amplitude is about 44 steps, so that half a step lies 39 dB below.
     silent = measure_statistics(record(converted(shadowed(speckle(1)), 25.0)))
     median = np.sqrt(np.log(2.0) / 25.0) * 255.0

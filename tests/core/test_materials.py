@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from insonify.compiler.jit import kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.scene import build, edit, load_scene
 from insonify.scene.seabed.materials import Material
@@ -26,14 +25,9 @@ TABLE: dict[str, tuple[float, tuple[float, ...], float]] = {
 }
 
 
-@kernel
-def strength_at(cos_incidence, diffuse, specular, shininess):
-    return backscatter(cos_incidence, diffuse, specular, shininess)
-
-
 def decibels(name: str, grazing: float) -> float:
     """Backscattering strength of a named material."""
-    return 10.0 * math.log10(strength_at(math.sin(math.radians(grazing)), *MATERIALS[name].reflectivity[:3]))
+    return 10.0 * math.log10(backscatter(math.sin(math.radians(grazing)), *MATERIALS[name].reflectivity[:3]))
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -75,7 +69,7 @@ def test_the_lobe_of_a_level_bed_is_the_echo_of_the_mirror_image(name):
     incidence = np.linspace(0.0, math.pi / 4, 20001)
     ring = 2.0 * math.pi * altitude**2 * np.tan(incidence) / np.cos(incidence) ** 2
     echo = [
-        strength_at(math.cos(a), 0.0, specular, shininess) * r / (altitude / math.cos(a)) ** 4
+        backscatter(math.cos(a), 0.0, specular, shininess) * r / (altitude / math.cos(a)) ** 4
         for a, r in zip(incidence, ring)
     ]
     image = specular / (2.0 * altitude) ** 2
@@ -99,16 +93,12 @@ def test_given_numbers_override_the_name():
 
 
 def test_interfaces_follow_the_ground_and_then_the_targets():
-    scene = build(
-        {
-            "seabed": {"material": {"kind": "patches", "of": ["silt", {"name": "rock", "reflection": 0.5}]}},
-            "targets": [
-                {"kind": "sphere", "position": [0.0, 10.0], "material": "mirror"},
-                {"kind": "sphere", "position": [0.0, 20.0], "material": {"name": "steel", "speed_ratio": 3.0}},
-            ],
-        }
-    )
-    arrays = prepare(scene).arrays
+    patches = {"kind": "patches", "of": ["silt", {"name": "rock", "reflection": 0.5}]}
+    balls = [
+        {"kind": "sphere", "position": [0.0, y], "material": material}
+        for y, material in ((10.0, "mirror"), (20.0, {"name": "steel", "speed_ratio": 3.0}))
+    ]
+    arrays = prepare(build({"seabed": {"material": patches}, "targets": balls})).arrays
     silt, rock, steel = MATERIALS["silt"].reflectivity, MATERIALS["rock"].reflectivity, MATERIALS["steel"].reflectivity
     np.testing.assert_array_equal(
         arrays.interface,

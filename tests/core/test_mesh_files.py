@@ -90,15 +90,12 @@ def test_what_bounds_bodies_is_closed_and_faces_outwards():
     assert not bounds_bodies(np.concatenate([two[:12], two[12:, ::-1]]))
 
 
-def test_an_open_surface_winds_alike_as_its_first_triangle_does(tmp_path):
+def test_an_open_surface_winds_as_its_first_triangle_does_and_one_of_one_side_is_taken_as_it_is(tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2\nf 1 3 4\n")
     corners = read_mesh(str(path))
     tree = build_mesh(corners, np.zeros(2, np.int64), np.zeros(2, np.int64))
     np.testing.assert_array_equal(tree.normal, [[0, 0, -1], [0, 0, -1]])
-
-
-def test_a_surface_of_one_side_is_taken_as_it_is(tmp_path):
     angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
     across = np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)], axis=1)
     middle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 3.0
@@ -192,16 +189,12 @@ def test_a_bundled_mesh_has_a_name_and_is_closed(name):
     assert bounds_bodies(corners) == (name != "figure")  # which has single triangles that belong to no body
 
 
-def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
-    write(tmp_path, "obj", shape())
+def test_meshes_are_found_beside_the_scene_or_by_name_and_scale_turns_units_into_metres_about_the_middle(tmp_path):
+    path = write(tmp_path, "obj", shape())
     scene = scene_of(tmp_path, ("shape.obj", "position = [1.0, 2.0]"), ("tetrapod", "position = [9.0, 2.0]"))
     assert [target.path for target in scene.targets] == [str(tmp_path / "shape.obj"), "tetrapod"]
     mesh = prepare(scene).arrays.mesh
     assert np.bincount(mesh.target).tolist() == [6, 320]
-
-
-def test_scale_turns_units_into_metres_about_the_middle(tmp_path):
-    path = write(tmp_path, "obj", shape())
     scene = scene_of(tmp_path, (path, "position = [5.0, 7.0]\nscale = 0.5\nheading = 90.0"))
     corners = prepare(scene).arrays.mesh.corners
     np.testing.assert_allclose(corners.min(axis=(0, 1)), [4.5, 6.25, 0.0], atol=1e-12)

@@ -27,12 +27,8 @@ def test_truth_tells_by_which_way_the_strongest_sound_came():
     truth, record = trace_labels(sea, poses), sweep.trace(sea, poses)
     assert ((truth.path[0] >= 0) == (record[0] > 0.0)).all()
     # Straight, by images at 24 m and 48 m above the bed, and the surface 6 m above the sonar.
-    for r, path in (
-        (23.1, "direct"),
-        (27.0, "surface_bottom"),
-        (31.0, "surface_bottom_surface"),
-        (37.5, "second_bottom"),
-    ):
+    ranges = {"direct": 23.1, "surface_bottom": 27.0, "surface_bottom_surface": 31.0, "second_bottom": 37.5}
+    for path, r in ranges.items():
         near = slice(int((r - 0.6) * 10), int((r + 0.6) * 10))
         heard = truth.target_id[0, 0, near] == 0
         assert heard.any()

@@ -6,6 +6,7 @@ import threading
 import time
 from collections import deque
 from concurrent.futures import Future
+from unittest.mock import Mock
 
 import pytest
 
@@ -214,12 +215,9 @@ def test_a_caller_that_is_interrupted_does_not_wait_for_the_item(monkeypatch, ki
         finish.wait(LONG)
         yield 1
 
-    def interrupted(future):
-        raise kind
-
     began = time.perf_counter()
     with monkeypatch.context() as patched:
-        patched.setattr(Future, "result", interrupted)
+        patched.setattr(Future, "result", Mock(side_effect=kind))
         with pytest.raises(kind):
             next(one_ahead(items()))
     assert time.perf_counter() - began < PATIENCE  # not an hour

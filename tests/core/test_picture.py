@@ -12,14 +12,7 @@ from PIL import Image
 from insonify.cli import main
 from insonify.display import display_options, normalisation
 from insonify.display import sheet as module
-from insonify.display.display_options import (
-    PALETTES,
-    DisplayOptions,
-    display_settings,
-    find_palettes,
-    read_display,
-    side_factors,
-)
+from insonify.display.display_options import PALETTES, DisplayOptions, display_settings, read_display, side_factors
 from insonify.display.normalisation import LevelBed, estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
@@ -117,12 +110,6 @@ def test_contrast_of_even_beds_and_strong_materials_and_targets():
     assert choose_contrast(np.concatenate([silt, target]))[1] < 0.3
 
 
-def test_gain_brightens_by_decibels_and_not_a_number_is_silence():
-    amplitude = np.array([0.25, np.nan], dtype=np.float32)
-    assert (map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))).all()
-    assert map_tones(amplitude, (0.0, 1.0), gain=60.0).tolist() == [255, 0]
-
-
 def test_port_lies_left_starboard_right_newest_on_top():
     sides = np.zeros((2, 2, 4), dtype=np.float32)
     sides[0, 0, 1] = 1.0  # oldest ping, port, second bin
@@ -194,13 +181,7 @@ def test_a_long_tow_keeps_a_bounded_sheet_whose_rows_stretch_and_average():
     assert resample_rows(rows, 1).ravel().tolist() == [2]
 
 
-def test_ground_range_needs_a_bed_within_range():
-    said = r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave"
-    with pytest.raises(SceneError, match=said):
-        gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
-
-
-def test_ground_range_shows_no_water_column():
+def test_ground_range_shows_no_water_column_and_needs_a_bed_within_range():
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
     slant = gather_sheet([record_], even(), 4, DisplayOptions(side="port"))
@@ -208,6 +189,9 @@ def test_ground_range_shows_no_water_column():
     assert slant.amplitude[0, 0] == 0.0
     assert ground.amplitude.min() > 0.9
     assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
+    said = r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave"
+    with pytest.raises(SceneError, match=said):
+        gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
 
 
 LOOKS = {"side": "starboard", "palette": "pen", "gain": 3.0}, {"ground_range": True, "palette": "viridis"}
@@ -254,10 +238,10 @@ def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
         load_palette("jet")
     (tmp_path / "palettes").mkdir()
     for name in PALETTES:
-        (tmp_path / "palettes" / f"{name}.txt").write_bytes(find_palettes()[name].read_bytes())
+        (tmp_path / "palettes" / f"{name}.txt").write_bytes(display_options.find_palettes()[name].read_bytes())
     (tmp_path / "palettes" / "reds.txt").write_text("# From black to red.\n#000000\n#ff0000\n")
     monkeypatch.setattr(display_options, "resources", lambda: tmp_path)
-    assert set(find_palettes()) == {*PALETTES, "reds"}
+    assert set(display_options.find_palettes()) == {*PALETTES, "reds"}
     np.testing.assert_array_equal(load_palette("reds")[[0, 255]], [[0, 0, 0], [255, 0, 0]])
 
 
@@ -298,7 +282,10 @@ def test_gains_of_a_side_and_over_range() -> None:
     assert side_factors(DisplayOptions(), 1000) is None
 
 
-def test_a_palette_linear_in_decibels_and_one_turned_round() -> None:
+def test_tones_by_gain_of_a_palette_linear_in_decibels_and_of_one_turned_round() -> None:
+    amplitude = np.array([0.25, np.nan], dtype=np.float32)
+    assert (map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))).all()
+    assert map_tones(amplitude, (0.0, 1.0), gain=60.0).tolist() == [255, 0], "not a number is silence"
     tones = map_tones(np.array([0.0, 0.01, 0.1, 1.0, 9.0], np.float32), (0.0, 1.0), decibels=True)
     assert tones.tolist() == [0, 0, 128, 255, 255], "40 dB below the upper end at most"
     assert map_tones(np.array([0.1, 0.316, 1.0], np.float32), (0.1, 1.0), decibels=True).tolist() == [0, 127, 255]
@@ -325,7 +312,6 @@ def test_colours_are_looked_up_by_the_place_between_both_levels(colours):
 @pytest.mark.parametrize("kind", ["slant", "bed", "ground"])
 def test_an_altitude_below_the_bed_leads_to_no_bin_outside_its_row(kind: str, altitude: float) -> None:
     axis = make_range_axis(kind, 64, 0.1, 1.0)
-    assert axis is not None
     position = place_columns(np.linspace(0.0, axis.reach, 33), np.array([1.0, altitude, 1.0]), axis)
     assert position.min() >= 0.0
     assert position.max() <= 64.0
@@ -345,29 +331,14 @@ def test_a_bed_without_a_finite_height_has_the_curve_of_the_least_or_greatest_al
     np.testing.assert_array_equal(found[0], found[1])
 
 
-ALL_CHANGED = DisplayOptions(
-    side="port",
-    ground_range=True,
-    palette="grey",
-    gain=-3.5,
-    water_column=False,
-    reverse=True,
-    decibels=True,
-    levels=(0.1, 4.0),
-    side_gains=(0.0, 6.0),
-    side_slopes=(-2.0, 3.0),
-    newest_on_top=False,
-    bottom_line=True,
-    range_lines=True,
-    scale="true",
-    draped=True,
-)
-
-
 def test_every_option_is_read_back_and_a_whole_number_passes_for_a_gain() -> None:
     usual = DisplayOptions()
-    assert all(one != other for one, other in zip(ALL_CHANGED, usual))
-    assert DisplayOptions(**read_display(display_settings(ALL_CHANGED))) == ALL_CHANGED
+    switched = {name: not value for name, value in usual._asdict().items() if isinstance(value, bool)}
+    names = {"side": "port", "palette": "grey", "scale": "true"}
+    numbers = {"gain": -3.5, "levels": (0.1, 4.0), "side_gains": (0.0, 6.0), "side_slopes": (-2.0, 3.0)}
+    changed = DisplayOptions(**switched, **names, **numbers)
+    assert all(one != other for one, other in zip(changed, usual))
+    assert DisplayOptions(**read_display(display_settings(changed))) == changed
     assert display_settings(usual) == []
     assert read_display(["gain=6", "levels=[0, 4]"]) == {"gain": 6.0, "levels": (0.0, 4.0)}
 

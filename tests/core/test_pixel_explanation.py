@@ -18,8 +18,6 @@ CLOSE = 0.01  # dB by which a budget may miss its pixel
 PIPE = {"kind": "pipe", "position": [10.0, 15.0], "radius": 0.5, "length": 8.0, "material": "steel"}
 BALL = {"kind": "sphere", "position": [12.0, -14.0], "radius": 0.7, "material": "rock"}
 ROUGH = {"kind": "fractal", "beta": 1.4, "period": 51.2, "rms": 0.2}
-
-
 BASE = build(
     {
         "seabed": {"depth": 30.0, "spacing": 0.2, "relief": ROUGH, "material": "medium_sand"},
@@ -118,11 +116,9 @@ def test_pixels_of_bundled_scenes_add_up(name, forced, side, pixels):
         assert name != "double-image" or explained.contributions[0].rays
 
 
-SILT = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
-
-
 def flat(**changes):
-    level = {"seabed__relief": "flat", "targets": [], "seabed__material": SILT}
+    silt = {"name": "silt", "diffuse": 0.5, "specular": 0.0}
+    level = {"seabed__relief": "flat", "targets": [], "seabed__material": silt}
     return prepare(scene(**level | changes), tolerance=0.003)
 
 
@@ -130,7 +126,7 @@ def term(explained, name):
     return next(each.decibels for each in explained.terms if each.name == name)
 
 
-def test_terms_over_a_level_bed_are_the_sonar_equation():
+def test_terms_over_a_level_bed_are_the_sonar_equation_and_the_vertical_beam_one_of_its_own():
     explained = explain_pixel(flat(water__absorption=100.0, receiver__source_level=200.0), 10, 0, 250)
     r, length = 25.05, 0.1
     # A strip r Θ wide and Δr / cosθ long, θ the grazing angle.
@@ -146,9 +142,6 @@ def test_terms_over_a_level_bed_are_the_sonar_equation():
         assert term(explained, name) == expected, name
     assert explained.contributions[0].ground_range == pytest.approx(math.sqrt(r * r - 100.0), abs=0.02)
     assert explained.contributions[0].incidence == pytest.approx(math.degrees(math.acos(10.0 / r)), abs=0.1)
-
-
-def test_the_vertical_beam_is_a_term_of_its_own():
     beam = {"kind": "gaussian", "width": 40.0, "tilt": 20.0}
     explained = explain_pixel(flat(sonar__vertical=beam), 10, 0, 250)
     off = math.sin(math.asin(10.0 / 25.05) - math.radians(20.0)) / math.sin(math.radians(20.0))

@@ -3,6 +3,7 @@
 import math
 import re
 from functools import lru_cache
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -37,11 +38,16 @@ def usual():
     return plan(DEFAULT)
 
 
-def test_a_knife_or_a_bed_without_detail_needs_one_plane():
+def test_a_knife_or_a_bed_without_detail_needs_one_plane_and_a_plain_scene_the_bare_sweep():
     knife = plan(edit(DEFAULT, {"sonar.beam": "knife"}))
     assert (knife.method, knife.planes) == ("sweep", 1)
     assert any("no width" in line for line in knife.lines())
     assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 1
+    simulation = prepare(edit(BARE, {"sonar.beam": "knife"}))
+    assert (simulation.plan.method, simulation.plan.settings) == ("sweep", {"planes": 1})
+    bare = simulation.reduced
+    assert (bare.water.bent, bare.multipath.enabled, bare.bounces, bare.solids.shape.size) == (False, False, 0, 0)
+    assert bare.bed.heights is simulation.arrays.bed.heights
 
 
 GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
@@ -73,7 +79,10 @@ def test_planes_between_two_doublings_are_judged_by_twice_as_many():
     assert 0.7 * missed < made.entry("planes").error < 1.4 * missed
 
 
-def test_a_finer_tolerance_never_takes_fewer_planes_and_all_are_in_bounds():
+def test_a_finer_tolerance_takes_more_rays_and_shorter_steps_and_never_fewer_planes_which_are_in_bounds():
+    assert plan(DEFAULT, 0.01, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
+    small = edit(DEFAULT, {"sonar.bins": 100})
+    assert plan(small, 0.1, method="march").settings["step"] < plan(small, 1.0, method="march").settings["step"]
     # Over the same nodes: with fewer of them more planes may be cheaper.
     same = {"spacing": "1"}
     counts = [plan(DEFAULT, tolerance, forced=same).planes for tolerance in np.geomspace(0.5, 1e-3, 8)]
@@ -114,26 +123,15 @@ def test_a_method_asked_for_is_taken_and_explained(method):
     assert all(len(line) < 200 and "\n" not in line for line in chosen.lines())
 
 
-def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
-    assert plan(DEFAULT, 0.01, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
-    small = edit(DEFAULT, {"sonar.bins": 100})
-    assert plan(small, 0.1, method="march").settings["step"] < plan(small, 1.0, method="march").settings["step"]
-
-
 @pytest.mark.parametrize("tolerance", [0.5, 0.01, 1e-9])
 @pytest.mark.parametrize("method", ["march", "rays"])
 def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, monkeypatch):
-    traced = []
-
-    def trace(packed, model, poses):
-        traced.append(poses.x.size * probe.work_of(packed, model))
-        return whole(packed, model, poses)
-
-    whole = probe.trace_model
+    trace = Mock(wraps=probe.trace_model)
     monkeypatch.setattr(probe, "trace_model", trace)
     plan(DEFAULT, tolerance, method=method)
-    assert max(traced) <= MOST
-    assert sum(traced) <= 2.5 * MOST  # each finer model takes twice the work
+    work = [poses.x.size * probe.work_of(packed, model) for (packed, model, poses), _ in trace.call_args_list]
+    assert max(work) <= MOST
+    assert sum(work) <= 2.5 * MOST  # each finer model takes twice the work
 
 
 @pytest.mark.parametrize(("method", "field", "steps"), [("march", "step", -2), ("rays", "rays", 3)])
@@ -149,16 +147,7 @@ def test_errors_predicted_beyond_those_measured_are_near_them(method, field, ste
 
 
 COHERENT = {"receiver.speckle": "coherent"}
-SECTION = {
-    "water": {
-        "kind": "section",
-        "distance": [0.0, 9.0],
-        "depth": [0.0, 30.0],
-        "sound_speed": [[1520, 1500], [1500, 1500]],
-    }
-}
-
-
+SECTION = {"water": {"kind": "section"}}
 WRONG_TOLERANCE = r"^tolerance: .* give a share such as 0\.03$"
 
 
@@ -173,19 +162,16 @@ WRONG_TOLERANCE = r"^tolerance: .* give a share such as 0\.03$"
         (COHERENT | {"sonar.bounces": 2}, {}, r"^receiver\.speckle: 'coherent' .*sonar\.bounces is 2\); take"),
         (COHERENT | THERMOCLINE, {}, r"^receiver\.speckle: 'coherent' sums waves along straight paths.*'uniform'$"),
         (SECTION, {"method": "sweep"}, r"^method: 'sweep' refracts sound by depth only.*take rays$"),
-        (
-            {},
-            {"forced": {"colour": "red"}},
-            r"^model: 'colour' is not a choice of a plan; choose one of method, planes, ",
-        ),
-        ({}, {"forced": {"planes": "many"}}, r"^model planes: 'many' is not valid; give a whole number from 1 to 512$"),
-        ({}, {"forced": {"planes": "2.5"}}, r"^model planes: '2.5' is not valid; give a whole number from 1 to 512$"),
-        ({}, {"forced": {"step": "nan"}}, r"^model step: 'nan' is not valid; give a number from 1e-06 to 10000$"),
-        ({}, {"forced": {"targets": "some"}}, r"^model targets: 'some' is not known; choose one of on, off$"),
-        (
-            {},
-            {"forced": {"method": "magic"}},
-            r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$",
+        *(
+            ({}, {"forced": {subject: choice}}, sentence)
+            for subject, choice, sentence in (
+                ("colour", "red", r"^model: 'colour' is not a choice of a plan; choose one of method, planes, "),
+                ("planes", "many", r"^model planes: 'many' is not valid; give a whole number from 1 to 512$"),
+                ("planes", "2.5", r"^model planes: '2.5' is not valid; give a whole number from 1 to 512$"),
+                ("step", "nan", r"^model step: 'nan' is not valid; give a number from 1e-06 to 10000$"),
+                ("targets", "some", r"^model targets: 'some' is not known; choose one of on, off$"),
+                ("method", "magic", r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$"),
+            )
         ),
     ],
 )
@@ -389,7 +375,7 @@ def test_pings_are_spread_where_a_measured_bed_is_heard(tmp_path):
     assert (ahead <= 30.0).all()
 
 
-def test_a_face_that_glints_into_few_pings_is_among_them(tmp_path):
+def test_a_face_that_glints_into_few_pings_is_among_them_and_a_level_bed_has_none(tmp_path):
     # A bank square to the sound that comes 45° down, over 6 m of a track of 200 m, of a material with a narrow lobe.
     heights = np.full((201, 401), -20.0)
     away, along = 0.5 * np.arange(201)[:, None], 0.5 * np.arange(401)[None, :]
@@ -408,11 +394,8 @@ def test_a_face_that_glints_into_few_pings_is_among_them(tmp_path):
     added = packed.scene.track.start[0] + np.setdiff1d(found, plain.spread) * 0.2
     assert 1 <= added.size <= 2
     assert ((added > 18.0) & (added < 28.0)).all()
-
-
-def test_a_level_bed_has_no_loud_pings():
-    packed = pack(edit(BARE, {"seabed.relief": "flat"}))
-    assert (add_loud_pings(packed, chosen(packed.scene)).all == chosen(packed.scene).all).all()
+    level = pack(edit(BARE, {"seabed.relief": "flat"}))
+    assert (add_loud_pings(level, chosen(level.scene)).all == chosen(level.scene).all).all()
 
 
 TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)
@@ -488,11 +471,3 @@ def test_a_plan_of_a_rough_bed(seed, tmp_path):
     assert again.settings == chosen.settings
     assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
     assert again.work == chosen.work
-
-
-def test_a_plain_scene_is_traced_by_the_bare_sweep():
-    simulation = prepare(edit(BARE, {"sonar.beam": "knife"}))
-    assert (simulation.plan.method, simulation.plan.settings) == ("sweep", {"planes": 1})
-    bare = simulation.reduced
-    assert (bare.water.bent, bare.multipath.enabled, bare.bounces, bare.solids.shape.size) == (False, False, 0, 0)
-    assert bare.bed.heights is simulation.arrays.bed.heights

@@ -67,7 +67,7 @@ def test_a_turn_is_an_arc_of_a_circle(rate):
     np.testing.assert_allclose(np.hypot(np.diff(found.x), np.diff(found.y)), 0.2, rtol=1e-5)
 
 
-def test_turns_that_overlap_add_up():
+def test_turns_that_overlap_add_up_and_a_circle_stays_one_after_a_hundred_million_pings():
     turns = [
         {"kind": "turn", "rate": rate, "begin": begin, "duration": 20.0} for rate, begin in ((4.0, 5.0), (-4.0, 15.0))
     ]
@@ -76,9 +76,6 @@ def test_turns_that_overlap_add_up():
     np.testing.assert_allclose(headings[150:250], 70.0, rtol=1e-12)
     np.testing.assert_allclose(headings[350:], 30.0, rtol=1e-12)
     assert np.abs(np.diff(np.hypot(np.diff(found.x), np.diff(found.y)))).max() < 1e-4
-
-
-def test_a_circle_stays_a_circle_after_a_hundred_million_pings():
     turn = {"kind": "turn", "rate": 3.6, "begin": 0.0, "duration": 1e8}
     near, far = poses(turn, np.arange(1000)), poses(turn, np.arange(1000) + 10**8)
     np.testing.assert_allclose(far.x, near.x, atol=1e-6)
@@ -131,14 +128,8 @@ def test_a_sum_is_the_sum():
     st.booleans(),
 )
 def test_a_ping_depends_on_its_number_alone(numbers, rate, begin, period, following):
-    motion = sum_of(
-        {"kind": "turn", "rate": rate, "begin": begin},
-        {"kind": "heave", "period": period},
-        "sway",
-        "yaw",
-        "pitch",
-        "roll",
-    )
+    turn, heave = {"kind": "turn", "rate": rate, "begin": begin}, {"kind": "heave", "period": period}
+    motion = sum_of(turn, heave, "sway", "yaw", "pitch", "roll")
     scene = edit(load_scene("default"), {"track.motion": motion, "track.terrain_following": following})
     ground = build_ground(scene)
     whole = make_poses(scene, ground, np.array(numbers))
@@ -168,6 +159,8 @@ RECORDED = {
         [20, 30, 50],
         {"x": [3.0] * 3, "y": [3.0, 5.0, 9.0], "heading": [90.0] * 3},
     ),
+    # A turn of 20° through north by the compass, which counts clockwise.
+    "compass": ("time,compass\n0,350\n2,10\n", [0, 10, 20], {"heading": [-260.0, -270.0, -280.0]}),
     "column without a number": (
         "ping_time,platform_roll,platform_pitch,remark\n0,0,nan,7\n10,10,nan,8\n",
         [50],
@@ -183,11 +176,6 @@ def test_a_recorded_tow_is_interpolated(tmp_path, case):
     for name, values in expected.items():
         column = getattr(found, name)
         np.testing.assert_allclose(column if name in "xyz" else np.degrees(column), values, atol=1e-12, err_msg=name)
-
-
-def test_a_compass_counts_clockwise_from_north(tmp_path):
-    found = poses(csv(tmp_path, "time,compass\n0,350\n2,10\n"), [0, 10, 20])  # through north, half of the turn at 1 s
-    assert np.degrees(found.heading) % 360.0 == pytest.approx([100.0, 90.0, 80.0])
 
 
 def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
@@ -313,28 +301,19 @@ def test_the_line_is_without_the_motion():
         np.testing.assert_array_equal(one, other)
 
 
-SHALLOW = edit(
-    LEVEL,
-    {
-        "seabed.relief": {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3},
-        "track.altitude": 0.1,
-        "track.pings": 40,
-        "sonar.range": 20.0,
-    },
-)
-
-
 def test_a_sonar_below_the_bed_is_refused_with_the_ping():
-    ground, pings = build_ground(SHALLOW), np.arange(40)
-    placed = make_poses(SHALLOW, ground, pings)
+    rough = {"kind": "fractal", "beta": 1.2, "period": 25.6, "rms": 0.3}
+    shallow = edit(LEVEL, {"seabed.relief": rough, "track.altitude": 0.1, "track.pings": 40, "sonar.range": 20.0})
+    ground, pings = build_ground(shallow), np.arange(40)
+    placed = make_poses(shallow, ground, pings)
     inside = np.flatnonzero(placed.z < ground.height_at(placed.x, placed.y))
     assert 0 < inside.size < 40
     with pytest.raises(SceneError, match=rf"^track.altitude: at ping {inside[0]} the sonar is .* m below the bed; "):
-        simulate(SHALLOW)
-    assert prepare(SHALLOW).intensity(np.setdiff1d(pings, inside)[:3]).sum() > 0.0
+        simulate(shallow)
+    assert prepare(shallow).intensity(np.setdiff1d(pings, inside)[:3]).sum() > 0.0
     with pytest.raises(SceneError, match=rf"at ping {inside[-1]} "):
-        prepare(SHALLOW).intensity(inside[-1:])
+        prepare(shallow).intensity(inside[-1:])
     # A track wholly below the bed is refused when it is planned.
     start = [float(placed.x[inside[0]]), float(placed.y[inside[0]])]
     with pytest.raises(SceneError, match=r"^track.altitude: at ping 0 the sonar is .* m below the bed; "):
-        plan(edit(SHALLOW, {"track.pings": 1, "track.start": start}))
+        plan(edit(shallow, {"track.pings": 1, "track.start": start}))

@@ -23,9 +23,7 @@ def lines_of(text: str) -> list[dict[str, Any]]:
     return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
 
 
-def test_lines_begin_with_nothing_end_with_all_and_never_go_back(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_lines_begin_with_nothing_end_with_all_and_never_go_back(monkeypatch, capsys) -> None:
     monkeypatch.setenv(VARIABLE, "lines")
     with report_progress("tracing", 5, "ping") as progress:
         for _ in range(5):

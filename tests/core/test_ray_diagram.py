@@ -46,7 +46,7 @@ def test_the_bed_is_dark_beyond_the_limiting_range_and_the_shadow_bounded_by_its
     assert not diagram.shadow[CELLS // 2 :, x < LIMIT].any()
 
 
-def test_rays_have_round_angles_and_end_at_the_ends_of_the_water(diagram):
+def test_rays_have_round_angles_and_end_at_the_ends_of_the_water_and_eigenrays_join_sonar_and_point(diagram):
     angles = [path.angle for path in diagram.rays]
     assert 0.0 in angles
     assert angles == sorted(angles)
@@ -56,9 +56,6 @@ def test_rays_have_round_angles_and_end_at_the_ends_of_the_water(diagram):
         ends = (path.range[-1] - 450.0, path.depth[-1], path.depth[-1] - 40.0)
         assert min(map(abs, ends)) < 1e-9
         assert (np.diff(path.time) > 0.0).all()
-
-
-def test_eigenrays_join_the_sonar_and_the_point(diagram):
     assert len(diagram.eigenrays) == 3
     for ray in diagram.eigenrays:
         assert (ray.range[-1], ray.depth[-1]) == (400.0, 25.0)
@@ -121,7 +118,7 @@ def test_a_point_that_is_not_in_the_water_is_refused():
             trace_ray_diagram(scene_in(DUCT), target=target)
 
 
-def test_the_table_holds_every_point(diagram, tmp_path):
+def test_the_table_holds_every_point_and_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
     write_ray_diagram(tmp_path / "rays.csv", diagram)
     with (tmp_path / "rays.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -132,9 +129,6 @@ def test_the_table_holds_every_point(diagram, tmp_path):
     assert float(last["time"]) == pytest.approx(diagram.eigenrays[-1].travel_time, rel=1e-8)
     with pytest.raises(SceneError, match=r"end the name in \.png or \.csv"):
         write_ray_diagram(tmp_path / "rays.pdf", diagram)
-
-
-def test_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
     write_ray_diagram(tmp_path / "rays.png", diagram)
     picture = np.asarray(Image.open(tmp_path / "rays.png").convert("RGB")).astype(int)
     assert picture.shape[0] > 1000

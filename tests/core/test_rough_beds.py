@@ -37,10 +37,6 @@ def fractal(rms: float, beta: float = 1.2) -> dict[str, Any]:
     return {"kind": "fractal", "beta": beta, "peaks": [[0.0, 0.0]], "rms": rms}
 
 
-def ripples(wavelength: float, height: float) -> dict[str, Any]:
-    return {"kind": "ripples", "wavelength": wavelength, "height": height}
-
-
 def errors(scene: Scene, *misplaced: float, rays: int = 1 << 15) -> list[float]:
     """Errors of the sweep with segments divided for several shares of misplaced echo."""
     packed = pack(scene)
@@ -63,8 +59,8 @@ def errors(scene: Scene, *misplaced: float, rays: int = 1 << 15) -> list[float]:
         (fractal(0.3), {}),
         (fractal(0.1, 0.1), {}),
         (fractal(0.1, 0.1), {"seabed.material": LAMBERT}),
-        (ripples(2.0, 0.57), {}),
-        (ripples(5.0, 2.83), {}),
+        ({"kind": "ripples", "wavelength": 2.0, "height": 0.57}, {}),
+        ({"kind": "ripples", "wavelength": 5.0, "height": 2.83}, {}),
         (fractal(0.16), {"track.heading": 37.0}),
         (fractal(0.3), {"track.heading": 37.0}),
         (fractal(0.3), {"track.heading": 8.0}),

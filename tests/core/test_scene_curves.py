@@ -16,9 +16,10 @@ from insonify.display.scene_curves import (
     vertical_beam_curve,
 )
 from insonify.kernels.beam.pattern import vertical_responses
-from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.scene import bundled_scenes, edit, load_scene
 
 SPEED = 1500.0
+DEFAULT = edit(load_scene("default"), {"water": {"kind": "uniform", "sound_speed": SPEED}})
 FAR = {"sonar.range": 5000.0, "sonar.ping_rate": 0.1}
 VERTICALS = [
     {"kind": "fan", "width": 40.0, "tilt": 35.0},
@@ -28,55 +29,42 @@ VERTICALS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def default() -> Scene:
-    return edit(load_scene("default"), {"water": {"kind": "uniform", "sound_speed": SPEED}})
-
-
-def test_width_of_a_gaussian_beam_is_that_declared(default: Scene) -> None:
-    curve = beam_curve(edit(default, {"sonar.beam": {"kind": "gaussian", "width": 2.0, "two_way": False}}))
-    assert curve is not None
+def test_width_of_a_gaussian_beam_is_that_declared_and_the_near_field_of_a_long_array_has_one_too() -> None:
+    curve = beam_curve(edit(DEFAULT, {"sonar.beam": {"kind": "gaussian", "width": 2.0, "two_way": False}}))
     above = curve.x[curve.y >= -3.0103]
     assert np.ptp(above) == pytest.approx(2.0, abs=2.0 * (curve.x[1] - curve.x[0]))
     assert curve.note == "−3 dB: 2°, 1.74 m at 50 m"
+    scene = edit(DEFAULT, {"sonar.beam": {"kind": "array", "length": 2.0}, "sonar.frequency": 1e6, "sonar.range": 10.0})
+    near = beam_curve(scene)
+    assert near.y.max() < -3.0, "no direction is within 3 dB of the far field's axis"
+    assert float(near.note.split()[2].rstrip("°,")) > 0.0
 
 
-def test_far_field_of_a_line_array(default: Scene) -> None:
+def test_far_field_of_a_line_array() -> None:
     length, frequency = 0.3, 400e3
     spec = {"kind": "array", "length": length, "two_way": False}
-    curve = beam_curve(edit(default, {"sonar.beam": spec, "sonar.frequency": frequency, **FAR}))
-    assert curve is not None
+    curve = beam_curve(edit(DEFAULT, {"sonar.beam": spec, "sonar.frequency": frequency, **FAR}))
     expected = 20.0 * np.log10(np.abs(np.sinc(length * frequency / SPEED * np.sin(np.radians(curve.x)))))
     loud = expected > -15.0
     np.testing.assert_allclose(curve.y[loud], expected[loud], atol=0.05)
 
 
-def test_near_field_of_a_long_array_has_a_width_too(default: Scene) -> None:
-    """There no direction is within 3 dB of the far field's axis."""
-    scene = edit(default, {"sonar.beam": {"kind": "array", "length": 2.0}, "sonar.frequency": 1e6, "sonar.range": 10.0})
-    curve = beam_curve(scene)
-    assert curve is not None
-    assert curve.y.max() < -3.0
-    assert float(curve.note.split()[2].rstrip("°,")) > 0.0
-
-
 @pytest.mark.parametrize("vertical", VERTICALS, ids=lambda spec: spec["kind"])
 @pytest.mark.parametrize("two_way", [True, False])
-def test_vertical_beam_is_that_of_the_tracers(default: Scene, vertical: dict[str, object], two_way: bool) -> None:
+def test_vertical_beam_is_that_of_the_tracers(vertical: dict[str, object], two_way: bool) -> None:
     scene = edit(
-        default, {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}, "sonar.vertical": vertical}
+        DEFAULT, {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}, "sonar.vertical": vertical}
     )
     curve, pattern = vertical_beam_curve(scene), make_pattern(scene, SPEED)[1]
-    assert curve is not None
     angle = np.radians(curve.x)
     traced = np.empty(angle.size)
     vertical_responses(pattern, -angle, traced)
     np.testing.assert_allclose(curve.y, np.maximum(10.0 * np.log10(np.maximum(traced, 1e-9)), FLOOR), atol=1e-6)
 
 
-def test_a_tone_lasts_as_long_as_it_is_and_has_the_spectrum_of_a_sinc(default: Scene) -> None:
+def test_a_tone_lasts_as_long_as_it_is_and_has_the_spectrum_of_a_sinc() -> None:
     duration, frequency = 2e-4, 300e3
-    scene = edit(default, {"sonar.pulse": {"kind": "tone", "duration": duration}, "sonar.frequency": frequency})
+    scene = edit(DEFAULT, {"sonar.pulse": {"kind": "tone", "duration": duration}, "sonar.frequency": frequency})
     curve = pulse_spectrum_curve(scene)
     expected = 20.0 * np.log10(np.maximum(np.abs(np.sinc(duration * (1e3 * curve.x - frequency))), 1e-9))
     loud = expected > -25.0
@@ -87,19 +75,18 @@ def test_a_tone_lasts_as_long_as_it_is_and_has_the_spectrum_of_a_sinc(default: S
     assert echo.note == "resolves 0.15 m"
 
 
-def test_a_chirp_is_compressed_to_a_point_and_fills_its_band(default: Scene) -> None:
+def test_a_chirp_is_compressed_to_a_point_and_fills_its_band() -> None:
     spec = {"kind": "chirp", "duration": 5e-3, "bandwidth": 40e3, "window": "uniform"}
-    curve = pulse_spectrum_curve(edit(default, {"sonar.pulse": spec, "sonar.frequency": 100e3}))
+    curve = pulse_spectrum_curve(edit(DEFAULT, {"sonar.pulse": spec, "sonar.frequency": 100e3}))
     assert np.median(curve.y[np.abs(curve.x - 100.0) < 15.0]) == pytest.approx(0.0, abs=1.0)
     assert curve.y[np.abs(curve.x - 100.0) > 25.0].max() < -20.0
-    chirp = pulse_curve(edit(default, {"sonar.pulse": {"kind": "chirp", "bandwidth": 30e3}}))
+    chirp = pulse_curve(edit(DEFAULT, {"sonar.pulse": {"kind": "chirp", "bandwidth": 30e3}}))
     assert chirp.x[np.argmax(chirp.y)] == pytest.approx(0.0, abs=1e-3)
 
 
-def test_spectrum_of_a_bed_is_greatest_at_its_peaks_and_their_images(default: Scene) -> None:
+def test_spectrum_of_a_bed_is_greatest_at_its_peaks_and_their_images() -> None:
     relief = {"kind": "fractal", "beta": 1.6, "peaks": [[12.0, 5.0]], "clamp": "soft"}
-    spectrum = relief_spectrum(edit(default, {"seabed.relief": relief}))
-    assert spectrum is not None
+    spectrum = relief_spectrum(edit(DEFAULT, {"seabed.relief": relief}))
     axis = np.linspace(-spectrum.reach, spectrum.reach, len(spectrum.decibels))
     row, column = np.unravel_index(int(np.argmax(spectrum.decibels)), spectrum.decibels.shape)
     assert abs(abs(axis[column]) - 12.0) < 0.5
@@ -110,9 +97,9 @@ def test_spectrum_of_a_bed_is_greatest_at_its_peaks_and_their_images(default: Sc
 CURVES = beam_curve, vertical_beam_curve, pulse_curve, pulse_spectrum_curve
 
 
-def test_what_has_no_shape_has_no_curve(default: Scene) -> None:
+def test_what_has_no_shape_has_no_curve() -> None:
     none = {"sonar.beam": "knife", "sonar.vertical": "uniform", "sonar.pulse": "ideal", "seabed.relief": "flat"}
-    assert [draw(edit(default, none)) for draw in (*CURVES, relief_spectrum)] == [None] * 5
+    assert [draw(edit(DEFAULT, none)) for draw in (*CURVES, relief_spectrum)] == [None] * 5
 
 
 @pytest.mark.parametrize("name", sorted(bundled_scenes()))

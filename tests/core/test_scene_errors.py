@@ -12,6 +12,7 @@ from insonify.scene import SceneError, edit, load_scene, plain, read_setting
 BOX, BALL = ({"kind": kind, "position": [1.0, 2.0]} for kind in ("box", "sphere"))
 PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
 HEAVE, ENDLESS = {"kind": "heave"}, {"kind": "power_law", "extent": "endless"}
+MIMIC, DULL = {"kind": "mimic"}, {"specular": 0.0}
 TWICE, BACK = [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]]  # gains twice at one time, and at an earlier one
 
 WRONG = [
@@ -55,6 +56,7 @@ WRONG = [
     ({"sonar.ping_rate": 1e-300}, ["sonar.ping_rate", "1e-300", "at least 0.001"]),
     ({"sonar.beam.kind": "laser"}, ["sonar.beam.kind", "'laser'", "knife, fan"]),
     ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
+    ({"sonar.vertical": {"kind": "table", "levels": BACK}}, ["sonar.vertical.levels", "increasing angle"]),
     ({"sonar.law": "radar"}, ["sonar.law", "'radar'", "'sonar' or 'light'"]),
     ({"sonar.rnage": 50}, ["sonar.rnage", "unknown key", "'range'"]),
     ({"sonar.pulse": {"kind": "tone", "tone": 1}}, ["sonar.pulse.tone: unknown key", "one of kind, duration"]),
@@ -69,6 +71,16 @@ WRONG = [
     ({"seabed.relief.beta_x": 1.0}, ["seabed.relief", "beta_x and beta_y"]),
     ({"seabed.relief.peaks": [[512.0, 0.0]]}, ["relief.peaks", "512", "Nyquist", "spacing"]),
     ({"seabed.relief.kind": "mountains"}, ["seabed.relief.kind", "'mountains'", "flat, fractal"]),
+    ({"seabed.relief": MIMIC | {"of": {"of": ["silt", "rock"]}}}, ["seabed.relief: of has", "with a mirror lobe"]),
+    (
+        {"seabed.relief": MIMIC | {"of": {"of": [DULL, DULL], "shape": "checks"}}},
+        ['relief: of must lie along the track; give it shape = "stripes" or "waves" and heading = 0'],
+    ),
+    ({"seabed.relief": MIMIC | {"reach": 1e4}}, ["seabed: relief.reach 10000 m", "makes 200000 cells", "shorten"]),
+    (
+        {"seabed.relief": "mimic", "seabed.material": {"kind": "patches", "of": ["silt", "rock"]}},
+        ['seabed: relief "mimic" imitates a map by its shape; give the seabed a single material'],
+    ),
     ({"seabed.material": "custard"}, ["seabed.material", "'custard'", "medium_sand"]),
     ({"seabed.material.diffuse": 0.9, "seabed.material.specular": 0.9}, ["seabed.material", "0.9", "lower one"]),
     ({"seabed.material.reflection": 1.2}, ["seabed.material.reflection: 1.2 is out of bounds", "at most 1"]),

@@ -4,13 +4,13 @@ import math
 import tracemalloc
 from dataclasses import replace
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import insonify.simulation as module
-import insonify.tracers.labels as labels_module
 from insonify.compiler.build import own_build
 from insonify.io.record_schema import join_blocks
 from insonify.parallel import count_threads
@@ -72,15 +72,9 @@ def test_no_pings_blocks_or_threads_are_refused(options, sentence):
 
 
 def test_echoes_alone_are_traced_by_as_many_threads_as_a_simulation_has():
-    simulation, seen = prepare(small(40), threads=1), []
-    trace = simulation.tracer.trace
-
-    def note(*args, **settings):
-        seen.append(count_threads())
-        return trace(*args, **settings)
-
-    replace(simulation, tracer=SimpleNamespace(trace=note)).trace(simulation.poses(np.arange(40)))
-    assert seen == [1]
+    simulation = prepare(small(40), threads=1)
+    counting = SimpleNamespace(trace=lambda *_, **__: count_threads())
+    assert replace(simulation, tracer=counting).trace(simulation.poses(np.arange(40))) == 1
 
 
 @pytest.mark.parametrize("truth", [False, True])
@@ -125,10 +119,7 @@ def test_labels_alone_trace_no_record(monkeypatch):
     """In water with a double image pings are followed ray by ray, to be labelled and once more to be traced."""
     simulation = prepare(edit(load_scene("figure-3"), {"sonar.bins": 200}))
 
-    def trace(*_, **__):
-        raise AssertionError("a record is traced")
-
-    monkeypatch.setattr(labels_module, "trace", trace)
+    monkeypatch.setattr("insonify.tracers.labels.trace", Mock(side_effect=AssertionError("a record is traced")))
     assert (simulation.truth(np.arange(2)).target_id == -1).any()
     with pytest.raises(AssertionError, match="traced"):
         next(simulation.record_blocks(truth=True, pings=range(2)))
@@ -161,8 +152,21 @@ def test_a_stream_holds_no_more_than_64_mb_however_long_it_is(monkeypatch):
     assert long < 64e6
 
 
-def test_any_ping_is_a_function_of_the_scene_and_its_number():
-    simulation = prepare(small(20, receiver__speckle="rayleigh"))
+VOLUMES = [{"kind": "school", "position": [4.0, 15.0, -25.0]}, {"kind": "plume", "position": [2.0, -20.0, -30.0]}]
+WATER = {"receiver__noise": "ambient", "receiver__reverberation": "volume", "receiver__crosstalk": -10.0}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"receiver__speckle": "rayleigh"},
+        {"receiver__speckle": "rayleigh", "receiver__noise": "ambient", "volumes": VOLUMES},
+        {"receiver__speckle": "coherent", "receiver__fluctuation": {"kind": "lognormal", "travel_time": 1e-4}, **WATER},
+    ],
+    ids=["speckle", "volumes", "scatterers"],
+)
+def test_any_ping_is_a_function_of_the_scene_and_its_number(changes):
+    simulation = prepare(small(20, **changes))
     pings = np.arange(30)
     whole = simulation.intensity(pings)
     order = np.random.default_rng(0).permutation(30)

@@ -10,7 +10,7 @@ import trimesh
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_targets, resources
 from insonify.io.meshes import read_mesh
-from insonify.scene import edit, load_scene, scene_from_toml
+from insonify.scene import build, edit, load_scene
 from insonify.scene.targets import Pit
 from insonify.scene.targets.aircraft import PLANS, Aircraft, PlanName
 from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
@@ -21,23 +21,14 @@ from insonify.terrain import build_ground
 
 WHOLE = {"position": (0.0, 0.0), "seed": 3}
 CASES = [(Wreck, "form", name) for name in FORMS] + [(Aircraft, "plan", name) for name in PLANS]
-SCENE = """
-[seabed]
-spacing = 0.25
-relief = { kind = "fractal", period = 64.0, beta = 1.6, rms = 0.02 }
-[[targets]]
-kind = "wreck"
-position = [12.0, 20.0]
-length = 14.0
-[sonar]
-beam = { kind = "fan", width = 1.0 }
-range = 40.0
-bins = 200
-ping_rate = 4.0
-[track]
-pings = 48
-altitude = 8.0
-"""
+SCENE = build(
+    {
+        "seabed": {"spacing": 0.25, "relief": {"kind": "fractal", "period": 64.0, "beta": 1.6, "rms": 0.02}},
+        "targets": [{"kind": "wreck", "position": [12.0, 20.0], "length": 14.0}],
+        "sonar": {"beam": {"kind": "fan", "width": 1.0}, "range": 40.0, "bins": 200, "ping_rate": 4.0},
+        "track": {"pings": 48, "altitude": 8.0},
+    }
+)
 SOFT = {"kind": "fractal", "period": 64.0, "rms": 0.02, "clamp": "soft", "coefficients": "gaussian"}
 
 
@@ -103,8 +94,9 @@ def test_roughening_stays_within_its_height_and_keeps_parts_closed():
 
 
 @pytest.mark.parametrize(("kind", "name", "value"), CASES)
-def test_a_whole_one_is_as_long_and_as_broad_as_declared(kind, name, value):
-    states = {"decay": 0.0} if kind is Wreck else {"porosity": 0.0, "crumpled": 0.0}
+def test_a_whole_one_is_as_long_and_as_broad_as_declared_and_each_closed_and_of_few_triangles(kind, name, value):
+    shares = ("decay",) if kind is Wreck else ("porosity", "crumpled")
+    states = dict.fromkeys(shares, 0.0)
     whole = kind(**WHOLE, **states, **{name: value}, length=20.0)
     size = np.ptp(whole.shape().triangles, axis=(0, 1))
     assert size[0] == pytest.approx(20.0, rel=0.01)
@@ -114,14 +106,8 @@ def test_a_whole_one_is_as_long_and_as_broad_as_declared(kind, name, value):
     assert np.ptp(other.shape().triangles[..., 1]) == pytest.approx(1.3 * whole.breadth, rel=0.02)
     ends = whole.shape().triangles[..., 0]
     assert ends.min() + ends.max() == pytest.approx(0.0, abs=0.2)
-
-
-@pytest.mark.parametrize(("kind", "name", "value"), CASES)
-def test_each_is_closed_and_of_few_triangles_in_any_state(kind, name, value):
-    states = [{"decay": share} for share in (0.0, 0.5, 1.0)]
-    if kind is Aircraft:
-        states = [{"porosity": share, "crumpled": share, "engines": 4} for share in (0.0, 0.5, 1.0)]
-    for number, state in enumerate(states):
+    for number in range(3):
+        state = dict.fromkeys(shares, 0.5 * number) | ({"engines": 4} if kind is Aircraft else {})
         shape = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape()
         triangles = shape.triangles
         assert np.isfinite(triangles).all()
@@ -148,8 +134,7 @@ def test_the_same_fields_make_the_same_mesh_and_every_field_another(kind):
 
 @pytest.mark.parametrize("kind", [Wreck, Aircraft])
 def test_what_is_buried_lies_below_the_bed(kind):
-    scene = scene_from_toml(SCENE)
-    ground = build_ground(scene)
+    ground = build_ground(SCENE)
     for buried, gap in ((0.0, 0.0), (0.4, 0.0), (0.25, 0.5)):
         target = kind(position=(12.0, 20.0), buried=buried, gap=gap, roll=15.0, heading=30.0, growth=0.05)
         level = float(ground.height_at(np.array([12.0]), np.array([20.0]))[0]) + gap
@@ -170,7 +155,7 @@ def test_a_pit_has_its_depth_and_a_rim_and_ends():
 
 @pytest.mark.parametrize("extent", ["periodic", "endless"])
 def test_scour_changes_the_bed_about_a_wreck_alone(extent):
-    scene = edit(scene_from_toml(SCENE), {"seabed.relief": SOFT | {"extent": extent}})
+    scene = edit(SCENE, {"seabed.relief": SOFT | {"extent": extent}})
     before, after = build_ground(scene), build_ground(edit(scene, {"targets.0.scour": 0.8}))
     x, y = (axis.ravel() for axis in np.meshgrid(np.arange(-2.0, 26.0), np.arange(6.0, 34.0)))
     change = after.height_at(x, y) - before.height_at(x, y)
@@ -183,23 +168,13 @@ def test_scour_changes_the_bed_about_a_wreck_alone(extent):
 @pytest.mark.parametrize(("kind", "name", "value"), CASES)
 def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
     target = {"kind": kind.__name__.lower(), "position": [12.0, 20.0], "length": 10.0, name: value}
-    record = simulate(edit(scene_from_toml(SCENE), {"targets": [target]}), truth=True)
+    record = simulate(edit(SCENE, {"targets": [target]}), truth=True)
     assert (record.target_id == 0).sum() > 50
     assert (record.shadow > 0.5).sum() > 50
 
 
 MAST = np.arange(352, 378)  # pings about it
 STARBOARD = 1
-
-
-@pytest.fixture(scope="module")
-def scene():
-    return load_scene("wreck")
-
-
-@pytest.fixture(scope="module")
-def simulation(scene):
-    return prepare(scene)
 
 
 def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
@@ -211,8 +186,8 @@ def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
     assert volume(corners) > 5.0  # an open or inverted part would take it away
 
 
-def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
-    bed = measure_statistics(simulate(edit(scene, {"targets": [], "track.pings": 192})))
+def test_the_bed_is_as_alike_as_the_real_ones_even_patches():
+    bed = measure_statistics(simulate(edit(load_scene("wreck"), {"targets": [], "track.pings": 192})))
     low, middle, high = np.percentile(bed.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.53
     # The real recording falls by -0.43 along the track and -0.21 across it.
@@ -220,18 +195,17 @@ def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
     assert -0.5 < bed.across.slope() < -0.05
 
 
-def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_record(scene, simulation):
+def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_record():
+    scene = load_scene("wreck")
     # 24.7 dB in the real recording.
     assert measure_statistics(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
-    without = prepare(edit(scene, {"targets": []}))
+    simulation, without = prepare(scene), prepare(edit(scene, {"targets": []}))
     pings = np.arange(240, 300, 4)
     a, b = (s.intensity(pings)[:, STARBOARD] for s in (simulation, without))
     ratio = 10.0 * np.log10(a.mean(axis=0) / b.mean(axis=0))
     assert ratio[170:450].max() > 6.0  # the sides
     assert ratio[400:560].min() < -15.0  # the shadow beyond
-
-
-def test_the_mast_throws_its_shadow_to_the_last_bin(simulation):
+    # The mast throws its own to the last bin.
     heard = simulation.intensity(MAST)[:, STARBOARD, 620:]
     far = 10.0 * np.log10(heard.reshape(len(MAST), 4, -1).mean(axis=2))  # four stretches of range
     dark = far < np.median(far, axis=0) - 12.0
@@ -240,27 +214,20 @@ def test_the_mast_throws_its_shadow_to_the_last_bin(simulation):
     assert dark.all(axis=1).sum() >= 3  # the same pings at every range: straight across the track
 
 
-@pytest.fixture(scope="module")
-def script() -> dict[str, object]:
-    return runpy.run_path(str(resources() / "meshes" / "make_library.py"))
-
-
-def test_the_library_names_every_mesh_that_the_script_makes_and_the_listing_their_measures(script, capsys):
+def test_the_library_is_what_its_script_makes_and_the_listing_names_its_measures(capsys):
+    script = runpy.run_path(str(resources() / "meshes" / "make_library.py"))
     assert set(bundled_targets()) == set(script["LIBRARY"]) <= set(bundled_meshes())
     assert len(bundled_targets()) >= 12
     assert cli.main(["targets"]) == 0
     lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert list(lines) == list(bundled_targets())
     assert lines["drum"] == "0.89 x 0.60 x 0.60 m  steel drum of 200 l, lying"
-
-
-@pytest.mark.parametrize("name", list(bundled_targets()))
-def test_a_target_is_closed_and_as_its_script_makes_it(name, script):
-    path = bundled_meshes()[name]
-    mesh, made = trimesh.load_mesh(path, process=False), script["target"](name)
-    np.testing.assert_allclose(mesh.triangles, made.triangles, atol=1e-5)
-    assert made.is_watertight
-    assert all(part.volume > 0.0 for part in made.split())
-    assert path.stat().st_size < 100_000
-    assert 0.1 < mesh.extents.max() < 5.0
-    assert mesh.bounds[0, 2] == 0.0
+    for name in bundled_targets():
+        path = bundled_meshes()[name]
+        mesh, made = trimesh.load_mesh(path, process=False), script["target"](name)
+        np.testing.assert_allclose(mesh.triangles, made.triangles, atol=1e-5, err_msg=name)
+        assert made.is_watertight, name
+        assert all(part.volume > 0.0 for part in made.split()), name
+        assert path.stat().st_size < 100_000, name
+        assert 0.1 < mesh.extents.max() < 5.0, name
+        assert mesh.bounds[0, 2] == 0.0, name

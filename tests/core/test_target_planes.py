@@ -113,7 +113,7 @@ def test_an_estimated_error_beyond_the_tolerance_is_told():
 
 @pytest.mark.parametrize("planes", [5, 8, 16, 33])
 @pytest.mark.parametrize("beam", [{"kind": "fan", "width": 1.0}, {"kind": "array", "length": 0.3, "two_way": True}])
-def test_the_image_of_a_level_fish_has_the_planes_of_the_fish(planes, beam):
+def test_the_image_of_a_level_fish_has_the_planes_of_the_fish_and_no_pings_have_none(planes, beam):
     scene = edit(load_scene("ghosts"), {"sonar.beam": beam})
     packed = pack(scene)
     [(_, fan, image)] = lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(4)), planes)
@@ -127,12 +127,7 @@ def test_the_image_of_a_level_fish_has_the_planes_of_the_fish(planes, beam):
     np.testing.assert_allclose(image.s_low[order][1:], image.s_high[order][:-1], atol=1e-12)
     assert image.s_low.min() == pytest.approx(-1.0)
     assert image.s_high.max() == pytest.approx(1.0)
-
-
-def test_no_pings_have_no_planes():
-    scene = load_scene("ghosts")
-    packed = pack(scene)
-    assert lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), 4) == []
+    assert lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), planes) == []
 
 
 @pytest.mark.parametrize(

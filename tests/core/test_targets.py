@@ -7,7 +7,7 @@ import pytest
 
 from insonify.kernels.common.types import FRUSTUM
 from insonify.kernels.geometry.cross_sections import HalfPlane, may_cut_solid, section_solid, solid_distance_bound
-from insonify.scene import edit, load_scene, scene_from_toml
+from insonify.scene import build, edit, load_scene, scene_from_toml
 from insonify.scene.targets import TARGETS, Target
 from insonify.scene.targets.shape import rotation_matrix
 from insonify.simulation import prepare, simulate
@@ -18,8 +18,8 @@ POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, 
 HALF_A_BOX = np.array([1.5, 1.0, 0.5])
 
 
-def arrays(targets: str, seabed: str = "depth = 30.0"):
-    return prepare(scene_from_toml(f"[seabed]\n{seabed}\n[[targets]]\n{targets}")).arrays
+def arrays(targets: str):
+    return prepare(scene_from_toml(f"[seabed]\ndepth = 30.0\n[[targets]]\n{targets}")).arrays
 
 
 def turned(heading, pitch, roll) -> str:
@@ -47,7 +47,7 @@ def test_heading_pitch_and_roll_turn_bow_up_and_port_up_in_this_order(pose, side
 
 
 @pytest.mark.parametrize("pose", POSES)
-def test_a_box_stands_where_its_corners_are_and_is_closed(pose):
+def test_a_box_stands_where_its_corners_are_with_the_gap_under_its_lowest_point_and_is_closed(pose):
     mesh = arrays(f'kind = "box"\nposition = [3.0, -2.0, -20.0]\nsize = [3.0, 2.0, 1.0]\n{turned(*pose)}').mesh
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     expected = (signs * HALF_A_BOX) @ rotation_matrix(*pose).T + [3.0, -2.0, 10.0]
@@ -57,15 +57,11 @@ def test_a_box_stands_where_its_corners_are_and_is_closed(pose):
     assert ((corners.mean(axis=1) * mesh.normal).sum(axis=1) > 0).all()
     assert np.linalg.det(corners).sum() / 6.0 == pytest.approx(6.0)
     assert mesh.closed.all()
-
-
-@pytest.mark.parametrize("gap", [0.0, 0.75, -0.25])
-@pytest.mark.parametrize("pose", POSES)
-def test_the_gap_is_under_the_lowest_point_of_a_box(pose, gap):
-    box = f'kind = "box"\nposition = [3.0, -2.0]\nsize = [3.0, 2.0, 1.0]\ngap = {gap}\n{turned(*pose)}'
-    z = arrays(box).mesh.corners[..., 2]
-    assert z.min() == pytest.approx(gap, abs=1e-12)
-    assert np.ptp(z) == pytest.approx(2.0 * abs(rotation_matrix(*pose)[2]) @ HALF_A_BOX)
+    for gap in (0.0, 0.75, -0.25):
+        box = f'kind = "box"\nposition = [3.0, -2.0]\nsize = [3.0, 2.0, 1.0]\ngap = {gap}\n{turned(*pose)}'
+        z = arrays(box).mesh.corners[..., 2]
+        assert z.min() == pytest.approx(gap, abs=1e-12)
+        assert np.ptp(z) == pytest.approx(2.0 * abs(rotation_matrix(*pose)[2]) @ HALF_A_BOX)
 
 
 @pytest.mark.parametrize("pose", POSES)
@@ -106,9 +102,8 @@ def test_z_places_the_centre_in_the_world_and_a_gap_above_the_bed(kind):
 
 
 def test_what_rests_on_a_rough_bed_rests_on_the_height_at_its_position():
-    seabed = 'relief = { kind = "fractal", rms = 0.5, period = 25.6 }'
-    scene = scene_from_toml(f'[seabed]\n{seabed}\n[[targets]]\nkind = "box"\nposition = [3.3, -2.2]')
-    made = prepare(scene)
+    seabed = {"relief": {"kind": "fractal", "rms": 0.5, "period": 25.6}}
+    made = prepare(build({"seabed": seabed, "targets": [{"kind": "box", "position": [3.3, -2.2]}]}))
     bed = made.ground.height_at(np.array([3.3]), np.array([-2.2]))[0]
     assert abs(bed) > 0.01
     assert made.arrays.mesh.corners[..., 2].min() == pytest.approx(bed, abs=1e-12)

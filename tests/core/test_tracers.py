@@ -1,5 +1,6 @@
 """Each tracer traces pings by themselves, and a tracer of somebody else's is planned, traced and received."""
 
+import itertools
 import math
 import re
 from functools import partial
@@ -14,11 +15,15 @@ from insonify.cli import main
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.packed_scene import Model
 from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.water.surfaces import WAYS
 from insonify.simulation import prepare
-from insonify.tracers import base, march, rays, sweep
+from insonify.tow.poses import take_poses
+from insonify.tracers import base, march, ray_sheets, rays, sweep
 from insonify.tracers.base import find_tracer, list_methods
 from insonify.tracers.labels import trace_labels
 from insonify.tracers.scatterers import ScattererTracer
+from sea_surfaces import under_sea
+from water import water_about
 
 SCENE = edit(load_scene("default"), {"sonar.bins": 100, "sonar.beam": "knife", "track.pings": 4})
 SPECKLED = {"receiver.speckle": {"kind": "coherent", "density": 1.0}, "sonar.beam": {"kind": "fan", "width": 2.0}}
@@ -26,8 +31,11 @@ COHERENT = edit(SCENE, SPECKLED)
 EXTEND = (Path(__file__).parents[2] / "docs" / "architecture" / "extend.md").read_text()
 
 
-def test_the_methods_are_listed_by_rank():
+def test_the_methods_are_listed_by_rank_and_an_unknown_tracer_is_refused():
     assert list_methods() == ("auto", "sweep", "march", "rays")
+    for name in ("magic", "auto"):  # the latter is a wish, not a tracer
+        with pytest.raises(SceneError, match=rf"^method: '{name}' is not known; choose one of auto, sweep, march, ra"):
+            find_tracer(name)
 
 
 @pytest.mark.parametrize("name", [*list_methods()[1:], "scatterers"])
@@ -72,12 +80,9 @@ def strips():
         yield find_tracer("strips")
 
 
-def test_a_tracer_of_somebody_elses_is_a_method(strips):
+def test_a_tracer_of_somebody_elses_is_a_method_that_is_planned_by_its_ladder(strips):
     assert list_methods()[1:] == ("sweep", "march", "rays", "strips")
     assert find_tracer("strips") is strips
-
-
-def test_it_is_planned_by_its_ladder(strips):
     coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.5, 0.1))
     assert coarse.method == fine.method == "strips"
     assert coarse.model.fineness < fine.model.fineness
@@ -92,10 +97,9 @@ def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
     record = insonify.simulate(SCENE, method="strips", truth=True)
     assert np.isfinite(record.intensity).all()
     assert record.intensity.values.any()
-    swept = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}))
-    level = insonify.simulate(edit(SCENE, {"targets": [], "seabed.relief": "flat"}), method="strips")
-    heard = swept.intensity.values[..., 60:]
-    np.testing.assert_allclose(level.intensity.values[..., 60:], heard, rtol=0.05)
+    level = edit(SCENE, {"targets": [], "seabed.relief": "flat"})
+    swept, found = (insonify.simulate(level, method=method).intensity.values for method in ("auto", "strips"))
+    np.testing.assert_allclose(found[..., 60:], swept[..., 60:], rtol=0.05)
     words = ["render", "default", "--method", "strips", "--set", "track.pings=2", "-o", str(tmp_path / "record.png")]
     assert main(words) == 0
 
@@ -113,30 +117,36 @@ def test_what_it_cannot_do_is_refused(strips, changes, sentence):
         insonify.plan(edit(SCENE, changes), method="strips")
 
 
-@pytest.mark.parametrize("name", ["magic", "auto"])  # the latter is a wish, not a tracer
-def test_an_unknown_tracer_is_refused(name):
-    with pytest.raises(SceneError, match=rf"^method: '{name}' is not known; choose one of auto, sweep, march, rays"):
-        find_tracer(name)
-
-
 FAN = math.radians(1.25)
 BALL = ((3.0, 12.0, 0.6), 0.5)
 TRACES = {
     "sweep": sweep.trace,
     "march": partial(march.trace, rays=100, step=0.2),
     "rays": partial(rays.trace, rays=300),
+    "sheets": partial(ray_sheets.trace, sheets=4, rays=100),
 }
 FINE = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=5000)}
+WATERS = {
+    "even": lambda arrays: arrays,
+    "thermocline": lambda arrays: arrays._replace(
+        water=water_about(8.0, [-50.0, 2.0, 6.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0])
+    ),
+    "sea": lambda arrays: under_sea(arrays, 14.0, *WAYS, wind_speed=4.0),
+}
+# Rays in sheets are traced without a sea.
+CASES = [case for case in itertools.product(TRACES, WATERS) if case != ("sheets", "sea")]
 
 
-@pytest.mark.parametrize("name", TRACES)
-def test_threads_blocks_and_order_leave_every_bit(name):
-    arrays, trace = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[BALL], half_width=FAN), TRACES[name]
-    along = np.arange(90) * 0.3
-    one = trace(arrays, poses_of(along, 0.0, 8.0), threads=1)
-    np.testing.assert_array_equal(one, trace(arrays, poses_of(along, 0.0, 8.0), threads=3))
-    np.testing.assert_array_equal(one[::-1], trace(arrays, poses_of(along[::-1], 0.0, 8.0), threads=2))
-    parts = [trace(arrays, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
+@pytest.mark.parametrize(("name", "water"), CASES)
+def test_threads_blocks_and_order_leave_every_bit(name, water):
+    options = {"periodic": True, "solids": [BALL], "half_width": FAN, "bins": 300, "bin_length": 0.1}
+    arrays = WATERS[water](arrays_of(rough(64, 64, 0.2), 0.5, **options))
+    trace, along = TRACES[name], np.arange(90) * 0.3
+    poses = poses_of(along, 0.0, 8.0 + 0.9 * np.sin(along))
+    one = trace(arrays, poses, threads=1)
+    np.testing.assert_array_equal(one, trace(arrays, poses, threads=3))
+    np.testing.assert_array_equal(one[::-1], trace(arrays, take_poses(poses, slice(None, None, -1)), threads=2))
+    parts = [trace(arrays, take_poses(poses, slice(k, k + 7))) for k in range(0, 90, 7)]
     np.testing.assert_array_equal(one, np.concatenate(parts))
 
 

@@ -41,15 +41,9 @@ def write_table(path, clock="seconds", names="time,lon,lat"):
 
 
 def towed(path, **world):
-    motion = {"kind": "recorded", "path": str(path)}
-    return build(
-        {
-            "world": world,
-            "seabed": {"depth": 30.0},
-            "sonar": {"bins": 40, "range": 20.0, "ping_rate": 1.0},
-            "track": {"altitude": 5.0, "pings": 6, "motion": motion},
-        }
-    )
+    track = {"altitude": 5.0, "pings": 6, "motion": {"kind": "recorded", "path": str(path)}}
+    sonar = {"bins": 40, "range": 20.0, "ping_rate": 1.0}
+    return build({"world": world, "seabed": {"depth": 30.0}, "sonar": sonar, "track": track})
 
 
 PLACED = {"crs": "EPSG:32631", "origin": [EASTING - 3.0, NORTHING + 4.0]}

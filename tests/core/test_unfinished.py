@@ -40,13 +40,8 @@ def write_new(path) -> None:
 
 def writer(path, *words: str, before: tuple[str, ...] = (), **options) -> subprocess.Popen:
     """Start a process that writes a file until it gets a line; returns while it writes."""
-    process = subprocess.Popen(
-        [*before, sys.executable, "-c", WRITE, str(path), *words],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        **options,
-    )
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    process = subprocess.Popen([*before, sys.executable, "-c", WRITE, str(path), *words], **pipes, **options)
     assert process.stdout.readline() == b"writing\n"
     return process
 
@@ -66,6 +61,10 @@ def test_a_request_to_end_leaves_the_old_file_and_nothing_else(tmp_path, name):
     default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
     code = end(writer(path, preexec_fn=lambda: signal.signal(number, default)), number)
     assert code == (-signal.SIGINT if name == "SIGINT" else 128 + getattr(signal, name))
+    before = signal.getsignal(number)
+    with pytest.raises((SystemExit, KeyboardInterrupt)), replacing(path):
+        signal.raise_signal(number)
+    assert signal.getsignal(number) is before
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 

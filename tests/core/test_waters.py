@@ -8,13 +8,7 @@ from insonify.acoustics.water import make_sound_speed_field, make_water, recordi
 from insonify.cli import main
 from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
-from insonify.scene.water.layered import (
-    HydrographyWater,
-    ProfileWater,
-    SectionWater,
-    approximate_by_segments,
-    thin_polyline,
-)
+from insonify.scene.water.layered import HydrographyWater, ProfileWater, approximate_by_segments, thin_polyline
 from insonify.scene.water.sound_speed import mackenzie
 from insonify.simulation import prepare
 
@@ -107,21 +101,18 @@ def test_hydrography_is_an_equation_of_straight_temperature_and_salinity():
 
 
 def test_a_section_is_straight_between_its_profiles_and_even_beyond():
-    section = SectionWater(
-        distance=(-10.0, 0.0, 30.0),
-        depth=(0.0, 40.0),
-        sound_speed=((1500.0, 1500.0), (1500.0, 1540.0), (1530.0, 1500.0)),
-        heading=90.0,
-    )
-    layers = make_sound_speed_field(section)
+    speeds = [[1500.0, 1500.0], [1500.0, 1540.0], [1530.0, 1500.0]]
+    section = {"kind": "section", "distance": [-10.0, 0.0, 30.0], "depth": [0.0, 40.0], "sound_speed": speeds}
+    scene = scene_in(section | {"heading": 90.0})
+    layers = make_sound_speed_field(scene.water)
     places = [(0.0, -99.0, 20.0), (7.0, -5.0, 40.0), (-3.0, 0.0, 40.0), (0.0, 15.0, 10.0), (0.0, 99.0, 80.0)]
     # The fourth lies above the diagonal from (0 m, top) to (30 m, bottom), along which nothing changes.
     expected = [1500.0, 1520.0, 1540.0, 1530.0 - 0.5 * 30.0 - 0.25 * 30.0, 1500.0]
     np.testing.assert_allclose(layers.speed_at(*np.array(places).T), expected, rtol=1e-12)
     assert layers.speed_at(0.0, 15.0, 10.0) == pytest.approx(expected[3])
-    water = make_water(scene_in(section.model_dump()), -30.0)
+    water = make_water(scene, -30.0)
     np.testing.assert_allclose([water.axis_x, water.axis_y], [0.0, 1.0], atol=1e-15)
-    np.testing.assert_array_equal(water.station, section.distance)
+    np.testing.assert_array_equal(water.station, section["distance"])
     np.testing.assert_allclose(
         [np.interp(10.0, water.height, speed) for speed in water.speed], [1500.0, 1520.0, 1515.0]
     )

@@ -25,19 +25,19 @@ def jobs():
             yield workflow, name, job
 
 
-def test_there_is_one_for_tests_for_the_site_and_for_a_release():
-    assert set(WORKFLOWS) == {"docs", "release", "tests"}
-
-
 @pytest.mark.parametrize("name", WORKFLOWS)
-def test_a_workflow_may_read_and_no_more(name):
+def test_a_workflow_may_read_and_no_more_and_names_actions_by_commit_and_version(name):
     text = WORKFLOWS[name].read_text(encoding="utf-8")
     assert yaml.safe_load(text)["permissions"] == {"contents": "read"}
     assert "secrets." not in text
     assert text.count("actions/checkout@") == text.count("persist-credentials: false")
+    used = re.findall(r"uses: (.+)", text)
+    assert used
+    assert [action for action in used if not PINNED.fullmatch(action)] == []
 
 
 def test_a_job_that_publishes_has_its_rights_alone_and_runs_no_code_of_ours():
+    assert set(WORKFLOWS) == {"docs", "release", "tests"}
     given = {(workflow, name): job["permissions"] for workflow, name, job in jobs() if "permissions" in job}
     assert given == RIGHTS
     for workflow, name, job in jobs():
@@ -45,13 +45,6 @@ def test_a_job_that_publishes_has_its_rights_alone_and_runs_no_code_of_ours():
         if (workflow, name) in RIGHTS:
             assert job["environment"]
             assert not any("run" in step or "checkout" in step["uses"] for step in job["steps"])
-
-
-@pytest.mark.parametrize("name", WORKFLOWS)
-def test_actions_are_named_by_commit_and_version(name):
-    used = re.findall(r"uses: (.+)", WORKFLOWS[name].read_text(encoding="utf-8"))
-    assert used
-    assert [action for action in used if not PINNED.fullmatch(action)] == []
 
 
 def test_the_quick_tests_run_on_three_systems_with_three_pythons():

@@ -1,6 +1,7 @@
 """Recordings: what a file may hold, what is damaged, cut or of a kind that is not read, and a real one."""
 
 import ctypes
+import os
 import pickle
 from pathlib import Path
 
@@ -17,6 +18,8 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError
 from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM, amplitudes, write_xtf
 
+SIDES = [[1, 2, 3, 4], [10, 20, 30, 40]]  # amplitudes of a ping
+
 
 @pytest.mark.parametrize(
     ("kind", "told"),
@@ -24,7 +27,7 @@ from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM
 )
 def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told):
     record = read_record(write_xtf(tmp_path / "a.xtf", [PING, PING], kind=kind, told=told))
-    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    np.testing.assert_allclose(amplitudes(record)[:, 0], SIDES)
     assert record["channel"].values.tolist() == ["port", "starboard"]
     np.testing.assert_allclose(record["slant_range"], [3.75, 11.25, 18.75, 26.25])
     np.testing.assert_allclose(record["travel_time"], record["slant_range"] * 0.04 / 30.0)
@@ -34,15 +37,11 @@ def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told
 @pytest.mark.parametrize(
     ("ping", "channels", "expected"),
     [
-        (
-            {"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]},  # sides go by their type, not their order
-            (SUBBOTTOM, STARBOARD, PORT, STARBOARD),
-            [[1, 2, 3, 4], [10, 20, 30, 40]],
-        ),
+        ({"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]}, (SUBBOTTOM, STARBOARD, PORT, STARBOARD), SIDES),
         ({"samples": [NEAR_TO_FAR]}, (STARBOARD,), [[0, 0, 0, 0], [10, 20, 30, 40]]),
-        ({**PING, "Weight": 3}, (PORT, STARBOARD), np.array([[1, 2, 3, 4], [10, 20, 30, 40]]) / 8.0),
+        ({**PING, "Weight": 3}, (PORT, STARBOARD), np.array(SIDES) / 8.0),
     ],
-    ids=["order", "one side alone", "weight"],
+    ids=["type counts, not order", "one side alone", "weight"],
 )
 def test_channels_become_sides(tmp_path, ping, channels, expected):
     record = read_record(write_xtf(tmp_path / "a.xtf", [ping], channels=channels))
@@ -157,7 +156,7 @@ def test_both_frequencies_can_be_read(tmp_path, capsys, wanted, frequency, bins)
     record = read_record(path, wanted)
     assert record.attrs["frequency"] == frequency
     assert record.attrs["frequencies"] == "100000, 400000"
-    expected = [[1, 2, 3, 4], [10, 20, 30, 40]] if bins == 4 else [[7] * 8, [9] * 8]
+    expected = SIDES if bins == 4 else [[7] * 8, [9] * 8]
     np.testing.assert_allclose(amplitudes(record)[:, 2], expected)
     words = [] if wanted is None else ["--frequency", str(wanted)]
     assert main(["render", str(path), "-o", str(tmp_path / "a.npz"), *words]) == 0
@@ -245,8 +244,7 @@ def test_render_takes_a_recording(tmp_path, capsys, suffix):
 
 
 @pytest.mark.parametrize(
-    "words",
-    [("--set", "track.pings=3"), ("--seed", "3"), ("--method", "rays"), ("--tolerance", "0.1")],
+    "words", [("--set", "track.pings=3"), ("--seed", "3"), ("--method", "rays"), ("--tolerance", "0.1")]
 )
 def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, words):
     source = write_xtf(tmp_path / "a.xtf", [PING])
@@ -270,55 +268,47 @@ def test_a_real_recording(real_recording):
     assert np.median(amplitude[:, :, 10:80]) < 0.05 * np.median(amplitude[:, :, 400:600])
 
 
-def mutilated(path: Path, fault: str) -> Path:
-    content = path.read_bytes()
-    size = (len(content) - 1024) // 2
-    pings = {
-        "empty": b"",
-        "text": b"title = 'a scene'\n" * 100,
-        "header alone": content[:1024],
-        "first cut": content[: 1024 + size - 100],
-        "cut": content[:-100],
-        "cut in a start": content[:-size] + content[-size:][:9],
-        "no length": content[:1034] + bytes(4) + content[1038:],
-        "noise": content[:1024] + b"\x5a" * 2000,
-        "too few channels": content[:1028] + b"\x09" + content[1029:],
-    }
-    path.write_bytes(pings[fault])
-    return path
+# What becomes of the bytes of a file, and what is said of it.
+BROKEN = {
+    "empty": (lambda file: b"", "has 0 bytes, less than the header of an XTF file; copy it again"),
+    "text": (lambda file: b"title = 'a scene'\n" * 100, "is not an XTF file"),
+    "header alone": (
+        lambda file: file[:1024],
+        "holds no side-scan pings; give a recording with port or starboard channels",
+    ),
+    "first cut": (
+        lambda file: file[:1200],
+        "ends within the packet at byte 1024, before one ping is whole; copy it again",
+    ),
+    "no length": (lambda file: file[:1034] + bytes(4) + file[1038:], "holds no XTF packet at byte 1024"),
+    "noise": (lambda file: file[:1024] + b"\x5a" * 2000, "holds no XTF packet at byte 1024"),
+    "too few channels": (lambda file: file[:1028] + b"\x09" + file[1029:], "declares more channels than ping 0 has"),
+}
 
 
-@pytest.mark.parametrize(
-    ("fault", "expected"),
-    [
-        ("empty", "has 0 bytes, less than the header of an XTF file; copy it again"),
-        ("text", "is not an XTF file"),
-        ("header alone", "holds no side-scan pings; give a recording with port or starboard channels"),
-        ("first cut", "ends within the packet at byte 1024, before one ping is whole; copy it again"),
-        ("no length", "holds no XTF packet at byte 1024"),
-        ("noise", "holds no XTF packet at byte 1024"),
-        ("too few channels", "declares more channels than ping 0 has"),
-    ],
-)
-def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault, expected):
-    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING]), fault)
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault):
+    spoil, expected = BROKEN[fault]
+    path = write_xtf(tmp_path / "a.xtf", [PING, PING])
+    path.write_bytes(spoil(path.read_bytes()))
     assert expected in refused(capsys, "render", str(path), "-o", str(tmp_path / "a.png"))
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("fault", ["cut", "cut in a start"])
-def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, fault):
-    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING, PING]), fault)
+@pytest.mark.parametrize("whole", [1, 2])
+def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, whole):
+    path = write_xtf(tmp_path / "a.xtf", [PING, PING, PING])
+    size = (len(path.read_bytes()) - 1024) // 3
+    os.truncate(path, 1024 + size + 9 if whole == 1 else 1024 + 3 * size - 100)  # in a start, or behind it
     assert main(["render", str(path), "-o", str(tmp_path / "a.npz")]) == 0
     written = capsys.readouterr()
-    whole = 1 if fault == "cut in a start" else 2
     assert f"{whole} pings of 2 x 4 bins" in written.out
     assert written.err.count("\n") == 1
     assert "a.xtf: ends within the packet at byte" in written.err
     assert "the whole pings before are read" in written.err
     with pytest.warns(FileWarning, match="ends within the packet"):
         record = read_record(path)
-    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    np.testing.assert_allclose(amplitudes(record)[:, 0], SIDES)
 
 
 def test_what_cannot_be_understood_is_refused(tmp_path):

@@ -9,11 +9,9 @@ import pytest
 import pyxtf
 import xarray as xr
 
-from insonify.cli import main
 from insonify.io.record_schema import coordinates, echo_variable, platform
 from insonify.io.records import read_record, write_record
-from insonify.scene import SceneError, edit, load_scene
-from insonify.simulation import simulate
+from insonify.scene import SceneError
 
 BITS = {"8": 8, "16": 15, "32": 31}
 SPEED = 1480.0
@@ -166,20 +164,6 @@ def test_metres_without_a_map_stay_metres_and_a_map_that_is_not_known_is_one_sen
     assert "crs" not in read.attrs
     np.testing.assert_allclose(read.attrs["origin_x"], 5e5 + 3.0)
     np.testing.assert_allclose(read.attrs["origin_y"], 6e6 - 7.0)
-
-
-@pytest.mark.parametrize("bits", ["16", "8"])
-def test_a_simulation_is_written_by_the_command(tmp_path, capsys, bits):
-    path = tmp_path / "a.xtf"
-    words = ["pipe-span", "--set", "track.pings=5", "--set", "sonar.bins=100"]
-    assert main(["render", *words, "-o", str(path), "--bits", bits]) == 0
-    assert "5 pings of 2 x 100 bins" in capsys.readouterr().out
-    scene = edit(load_scene("pipe-span"), {"track.pings": 5, "sonar.bins": 100})
-    expected, read = simulate(scene), read_record(path)
-    amplitude = np.sqrt(expected.intensity.values)
-    np.testing.assert_allclose(np.sqrt(read.intensity.values), amplitude, atol=amplitude.max() / 2 ** BITS[bits])
-    assert read.attrs["frequency"] == scene.sonar.frequency
-    np.testing.assert_allclose(read.platform_altitude, expected.platform_altitude, rtol=1e-6)
 
 
 def test_a_real_recording_is_copied_without_loss(real_recording, tmp_path):

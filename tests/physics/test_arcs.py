@@ -20,7 +20,6 @@ from insonify.kernels.refraction.section_arcs import SectionPlane, speed_in_sect
 from water import NO_CEILING, NO_FLOOR, followed, gradient, joined, launched, layers, shot, water_of
 
 BELLHOP = Path(__file__).parents[3] / "shared/data/bellhop"
-LAYERED = layers([0, 10, 20, 60], [1520, 1520, 1500, 1498])
 
 
 def rows(name):
@@ -31,8 +30,9 @@ def rows(name):
 
 
 def test_rays_through_layers_are_the_exact_ones_beside_bellhop():
+    water = layers([0, 10, 20, 60], [1520, 1520, 1500, 1498])
     for row in rows("layered_bottom_hits.csv"):
-        _, ray = shot(LAYERED, 5.0, float(row["launch_deg_down"]), bottom=60.0)
+        _, ray = shot(water, 5.0, float(row["launch_deg_down"]), bottom=60.0)
         assert ray.x == pytest.approx(float(row["r_exact_m"]), abs=1e-8)
         assert ray.time == pytest.approx(float(row["t_exact_s"]), abs=1e-12)
         assert ray.q == pytest.approx(float(row["q_exact_m_per_rad"]), rel=1e-11)
@@ -248,9 +248,6 @@ def test_rays_along_a_duct_turn_many_times():
     np.testing.assert_allclose(found[:, COSINE] ** 2 + found[:, SINE] ** 2, 1.0, rtol=1e-12)
 
 
-RANGES = np.linspace(0.0, 2500.0, 26)
-
-
 @pytest.mark.parametrize("station", [(-10.0, 33.3, 200.0), (0.0, 100.0), (-5e3, -4e3)])
 def test_profiles_that_are_the_same_everywhere_are_layers(station):
     height, speed = np.array([-60.0, -20.0, -10.0, 0.0]), np.array([1498.0, 1500.0, 1520.0, 1520.0])
@@ -272,7 +269,7 @@ def test_a_tilted_gradient_is_one_gradient_turned(gx, gz):
     station, height = np.array([-9e3, -130.0, 700.0, 9e3]), np.array([-14e3, -2e3, -1.2e3, -300.0, 500.0, 3e3])
     water = water_of(height, 1500.0 + gx * station[:, None] + gz * height, station)
     angles = np.radians([20.0, -30.0, 5.0, -60.0])
-    points, _ = followed(water, 10.0, -np.degrees(angles), RANGES)
+    points, _ = followed(water, 10.0, -np.degrees(angles), np.linspace(0.0, 2500.0, 26))
     g, tilt = math.hypot(gx, gz), math.atan2(gx, gz)
     rise = points.z + 10.0
     up = points.x * math.sin(tilt) + rise * math.cos(tilt)

@@ -8,7 +8,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.kernels.beam.pattern import vertical_responses
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import edit, load_scene
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
@@ -83,10 +83,8 @@ def test_the_near_field_is_the_integral_over_the_array(taper, quarter):
 
 
 def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
-    beam = LineArray(length=LENGTH, two_way=False)
-    first_range, extent, energy, per_octave = beam.tabulate(
-        BeamConditions(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH)
-    )
+    far_off = BeamConditions(WAVELENGTH, 1.0, 4.0 * LENGTH**2 / WAVELENGTH)
+    first_range, extent, energy, per_octave = LineArray(length=LENGTH, two_way=False).tabulate(far_off)
     ranges = first_range * 2.0 ** (np.arange(extent.size) / per_octave)
     ranges, extent, energy = (column[:: round(per_octave / 4.0)] for column in (ranges, extent, energy))
     cells = [r * width_at_half(e, b) for r, e, b in zip(ranges, extent, energy, strict=True)]
@@ -102,9 +100,8 @@ def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
 @pytest.mark.parametrize("taper", ["uniform", "cosine", "hamming", "taylor"])
 def test_curvature_moves_energy_and_makes_none(taper):
     # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
-    _, extent, energy, _ = LineArray(length=LENGTH, taper=taper, two_way=False).tabulate(
-        BeamConditions(WAVELENGTH, 1.0, 200.0)
-    )
+    beam = LineArray(length=LENGTH, taper=taper, two_way=False)
+    _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 200.0))
     whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
     weights = taper_weights(taper)
     expected = WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2
@@ -244,26 +241,15 @@ def test_a_taper_lowers_the_sidelobes():
     assert hamming < 1e-3 * uniform
 
 
-def test_a_table_is_what_was_measured():
+def test_a_table_is_what_was_measured_which_a_one_way_beam_takes_once():
     levels = [[-90.0, -40.0], [-20.0, -10.0], [0.0, 0.0], [40.0, -6.0]]
-    found = responses({"kind": "table", "tilt": 25.0, "levels": levels})
+    table = {"kind": "table", "tilt": 25.0, "levels": levels}
+    twice, once = responses(table), responses(table, **BEAMS[False])
     one_way = np.interp(np.degrees(DOWN) - 25.0, *np.array(levels).T)
-    np.testing.assert_allclose(10.0 * np.log10(found), 2.0 * one_way, atol=0.02)
-
-
-def test_a_one_way_beam_takes_a_table_once():
-    levels = [[-90.0, -40.0], [90.0, 0.0]]
-    changes = {"sonar.beam": {"kind": "gaussian", "two_way": False}}
-    twice, once = (responses({"kind": "table", "levels": levels}, **c) for c in ({}, changes))
+    np.testing.assert_allclose(10.0 * np.log10(twice), 2.0 * one_way, atol=0.02)
     np.testing.assert_allclose(once**2, twice, rtol=1e-5)
 
 
-def test_angles_out_of_order_are_refused():
-    with pytest.raises(SceneError, match=r"^sonar\.vertical\.levels.* increasing angle"):
-        edit(load_scene("default"), {"sonar.vertical": {"kind": "table", "levels": [[10.0, 0.0], [0.0, 0.0]]}})
-
-
-GAUSSIAN = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
 BEAMS = {two_way: {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}} for two_way in (False, True)}
 ROLL = {"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
 
@@ -306,6 +292,6 @@ def test_a_top_hat_hears_what_is_within_it_and_nothing_else():
     ids=["one way", "two way", "rolled"],
 )
 def test_a_gaussian_weighs_a_level_bed_by_its_value(changes, passes, tilts):
-    shaded, plain, down = level_records(GAUSSIAN, changes)
+    shaded, plain, down = level_records({"kind": "gaussian", "width": 40.0, "tilt": 25.0}, changes)
     off = np.sin(down - np.radians(tilts)[:, None]) / math.sin(math.radians(20.0))
     np.testing.assert_allclose((shaded / plain)[:, 10:], 2.0 ** (-passes * off**2)[:, 10:], rtol=0.01)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from beds import arrays_of, gaussian_pattern, icosphere, mesh_of, poses_of, rough
+from beds import arrays_of, gaussian_pattern, icosphere, mesh_of, poses_of, rough, solids_of
 from insonify.acoustics.pulses import envelope, pulse_taps
 from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.common.streams import BED_SCATTERERS
@@ -153,19 +153,10 @@ def test_pings_decorrelate_as_van_cittert_and_zernike_have_it(half_width, headin
 
 def scene(**changes):
     """A rough bed with a sphere, a leaning pipe and a mesh, some of them in another's shadow."""
-    vertices, faces = icosphere(2, 0.6, (6.0, -9.0, 0.5))
-    return arrays_of(
-        rough(64, 64, rms=0.15),
-        0.25,
-        periodic=True,
-        solids=[((3.0, 8.0, 0.6), 0.8), ((4.0, 11.0, 0.3), (9.0, 13.0, 1.2), 0.5)],
-        mesh=mesh_of(vertices, faces, target=2),
-        bins=BINS,
-        bin_length=BIN_LENGTH,
-        reflectivity=((0.3, 0.2, 6.0),),
-        spreading=True,
-        **{"half_width": 3.0 * HALF_WIDTH} | changes,
-    )
+    solids = [((3.0, 8.0, 0.6), 0.8), ((4.0, 11.0, 0.3), (9.0, 13.0, 1.2), 0.5)]
+    bodies = {"solids": solids, "mesh": mesh_of(*icosphere(2, 0.6, (6.0, -9.0, 0.5)), target=2)}
+    sonar = {"bins": BINS, "bin_length": BIN_LENGTH, "half_width": 3.0 * HALF_WIDTH, "spreading": True} | changes
+    return arrays_of(rough(64, 64, 0.15), 0.25, periodic=True, reflectivity=[(0.3, 0.2, 6.0)], **bodies, **sonar)
 
 
 def pass_by(count=30, **changes):
@@ -265,16 +256,10 @@ def test_a_body_alone_echoes_as_loud_as_the_sweep_has_it(kind):
 
 
 def test_skin_has_the_area_of_the_bodies():
-    arrays = arrays_of(
-        np.zeros((4, 4)),
-        solids=[
-            ((0.0, 0.0, 0.0), 2.0),
-            ((0.0, 0.0, 0.0), (3.0, 4.0, 0.0), 0.5),
-            ((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 3.0, 0.0),
-        ],
-        mesh=mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3),
-    )
-    skin = make_surface_patches(arrays.solids, arrays.mesh)
+    ball, pipe = ((0.0, 0.0, 0.0), 2.0), ((0.0, 0.0, 0.0), (3.0, 4.0, 0.0), 0.5)
+    cone = ((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 3.0, 0.0)
+    triangle = mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3)
+    skin = make_surface_patches(solids_of([ball, pipe, cone]), triangle)
     areas = [skin.area[skin.target == target].sum() for target in range(4)]
     np.testing.assert_allclose(
         areas, [16.0 * math.pi, math.pi * 5.0 + 0.5 * math.pi, 15.0 * math.pi + 9.0 * math.pi, 24.0]
@@ -334,10 +319,8 @@ def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
             place = int(splitmix64(np.uint64(key ^ (member + 1))))
             wave = int(splitmix64(np.uint64(place)))
             dx, dy = (i + (place >> 32) / 2**32) * pitch - x, (j + (place % 2**32) / 2**32) * pitch - y
-            ahead, abeam = (
-                dx * math.cos(heading) + dy * math.sin(heading),
-                dy * math.cos(heading) - dx * math.sin(heading),
-            )
+            ahead = dx * math.cos(heading) + dy * math.sin(heading)
+            abeam = dy * math.cos(heading) - dx * math.sin(heading)
             r = math.sqrt(dx * dx + dy * dy + HEIGHT**2)
             k = int(r / BIN_LENGTH)
             if k < 160 and abs(ahead / r) <= math.sin(HALF_WIDTH):

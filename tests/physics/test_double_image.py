@@ -39,9 +39,7 @@ def slant_ranges(x, z):
 @pytest.mark.parametrize("half_width", [0.0, math.radians(0.5)])
 def test_a_ball_shows_three_times(half_width):
     ball = ((0.0, 255.0, 3.0), 0.3)
-    alone = arrays(half_width=half_width, solids=[ball], reflectivity=[(1.0, 0.0, 1.0)])
-    bare = arrays(half_width=half_width, reflectivity=[(1.0, 0.0, 1.0)])
-    echo = record(alone) - record(bare)
+    echo = record(arrays(half_width=half_width, solids=[ball])) - record(arrays(half_width=half_width))
     direct, bent = slant_ranges(255.0, 3.0)
     assert bent - direct > 4.0
     loud = SLANT[np.flatnonzero(echo > 0.2 * echo.max())]
@@ -132,12 +130,11 @@ def test_truth_names_the_ball_in_all_its_images():
 def test_truth_flags_a_caustic_where_its_rays_come_down():
     """Through even water 55 m up and down again, and g = 5 1/s above: x = 55 / tan θ + (2c/g) tan θ is least there."""
     c, g, even = 1490.0, 5.0, 55.0
-    water = water_of([0.0, 40.0, 55.0], [c, c, c + 15.0 * g], reference=c, surface=SURFACE)._replace(
-        wavelength=c / 400e3
-    )
+    water = water_of([0.0, 40.0, 55.0], [c, c, c + 15.0 * g], reference=c, surface=SURFACE)
     slope = math.sqrt(even * g / (2.0 * c))
     sine = slope / math.sqrt(1.0 + slope * slope)
-    scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
+    scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)
+    scene = scene._replace(water=water._replace(wavelength=c / 400e3))
     truth = trace_labels(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
     flagged = (np.flatnonzero(truth.caustic[0, 0]) + 0.5) * BIN
     assert flagged.size

@@ -33,9 +33,8 @@ SILENCE = np.zeros((1, 2, BINS), np.float32)
 def test_volume_reverberation_is_the_sonar_equation():
     # In the open: neither bed nor surface within range, so that Ψ is half a turn of the beam's sines.
     volume = {"kind": "volume", "volume_strength": -65.0}
-    record = record_of(SILENCE, altitude=100.0, depth=100.0, receiver__reverberation=volume, sonar__pulse=TONE)[
-        0, 0, 200:
-    ]
+    declared = {"receiver__reverberation": volume, "sonar__pulse": TONE}
+    record = record_of(SILENCE, altitude=100.0, depth=100.0, **declared)[0, 0, 200:]
     solid_angle = 2.0 * math.sin(0.5 * FAN) * math.pi
     level = -65.0 + decibels(solid_angle * R[200:] ** 2 * 0.15) - 40.0 * np.log10(R[200:])
     # The pulse holds echoes of the 15 cm nearer, 7.5 cm on the average, where spreading is a little less.
@@ -95,11 +94,8 @@ def test_both_are_the_sum_of_the_two():
 
 @pytest.mark.parametrize("source_level", [0.0, 220.0])
 def test_noise_is_exponential_about_its_level_whatever_the_source(source_level):
-    record = record_of(
-        np.zeros((200, 2, BINS), np.float32),
-        receiver__noise={"kind": "ambient", "level": 55.0},
-        receiver__source_level=source_level,
-    ).astype(float)
+    silence, noise = np.zeros((200, 2, BINS), np.float32), {"kind": "ambient", "level": 55.0}
+    record = record_of(silence, receiver__noise=noise, receiver__source_level=source_level).astype(float)
     n = record.size / (1.0 + 2.0 / 9.0)
     assert decibels(record.mean()) == pytest.approx(55.0, abs=3.0 * decibels(math.e) / math.sqrt(n))
     assert record.std() / record.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / n))

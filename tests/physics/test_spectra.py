@@ -61,9 +61,8 @@ def test_model_3_falls_with_its_own_exponent_along_each_axis(decay):
 
 
 def test_model_3_row_and_column_slopes_of_the_heights_are_2_4_and_3_2():
-    power = measured_power(
-        unmasked_heights(Fractal(beta_x=1.2, beta_y=1.6, decay="separable"), (256, 256), (256, 256), 1)
-    )
+    fractal = Fractal(beta_x=1.2, beta_y=1.6, decay="separable")
+    power = measured_power(unmasked_heights(fractal, (256, 256), (256, 256), 1))
     waves = np.log(np.arange(4, 127))
     rows, columns = power[1:127, 4:127].sum(axis=0), power[4:127, 1:127].sum(axis=1)
     assert np.polyfit(waves, np.log(rows), 1)[0] == pytest.approx(-2.4, abs=1e-6)
@@ -140,14 +139,11 @@ def test_a_seabed_of_another_spacing_differs_by_one_factor():
     np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-10)
 
 
-def test_four_quadrants_mirror_every_peak():
+def test_four_quadrants_mirror_every_peak_and_peaks_combine_by_mean_square_or_by_the_larger():
     power = power_spectrum(Fractal(peaks=((8.0, 4.0),), quadrants=4), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
     assert power[0] == pytest.approx(power[1], rel=1e-12)
     alone = power_spectrum(Fractal(peaks=((8.0, 4.0),)), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
     assert alone[1] < 0.01 * alone[0]
-
-
-def test_peaks_combine_by_mean_square_or_by_the_larger():
     peaks = ((8.0, 4.0), (20.0, 10.0))
     place = np.array([13.0]), np.array([-2.0])
     each = [(13 - s * x) ** 2 + (-2 - s * y) ** 2 for x, y in peaks for s in (1, -1)]
@@ -157,7 +153,6 @@ def test_peaks_combine_by_mean_square_or_by_the_larger():
 
 
 def test_an_exponent_needs_waves():
-    with pytest.raises(
-        SceneError, match=r"^heights: \(32, 64\) samples hold too few waves .*; give at least 40 a side$"
-    ):
+    sentence = r"^heights: \(32, 64\) samples hold too few waves .*; give at least 40 a side$"
+    with pytest.raises(SceneError, match=sentence):
         amplitude_exponent(np.zeros((32, 64)))

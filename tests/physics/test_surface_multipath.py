@@ -12,14 +12,13 @@ from brute_force import frustum, gaussian, sphere
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.scene.water.surfaces import RoughSurface
 from insonify.statistics.record_errors import compare_records
-from insonify.tow.poses import take_poses
 from insonify.tracers import march, rays, sweep
 from sea_surfaces import bright_ball, image_heights, naive_ghost, naive_level_ghost, naive_target_ghost, under_sea
 
 ALTITUDE, DEPTH = 20.0, 30.0
 FLAT = np.zeros((4, 4))
 BOTTOM_WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom")
-TRACERS = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=20_000)}
+TRACERS = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=20_000)}
 
 
 def ghost(trace, arrays, poses, surface, *ways, **options):
@@ -126,23 +125,21 @@ BEAMS = {
     "knife": {},
     "fan": {"half_width": 0.02},
     "light": {"law": LIGHT},
-    "pattern": {
-        "half_width": 0.02,
-        "pattern": gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=0.5, vertical_width=1.2),
-    },
+    "pattern": {"half_width": 0.02, "pattern": gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=0.5, vertical_width=1.2)},
     "one way": {"half_width": 0.02, "pattern": gaussian_pattern(0.03, two_way=False, near_width=0.06)},
 }
 
 
-@pytest.mark.parametrize(
-    ("beam", "way"),
-    [
-        # Every beam and every way; that of a pattern, which has the most of its own, by all ways.
-        pytest.param(beam, way, marks=[pytest.mark.slow] * (beam != "pattern" and way != BOTTOM_WAYS[number % 3]))
-        for number, beam in enumerate(BEAMS)
+def pairs(names, whole):
+    """Pairs of a name and a way, of which those are slow that are not needed for each way once and the whole of one."""
+    return [
+        pytest.param(name, way, marks=[pytest.mark.slow] * (name != whole and way != BOTTOM_WAYS[number % 3]))
+        for number, name in enumerate(names)
         for way in BOTTOM_WAYS
-    ],
-)
+    ]
+
+
+@pytest.mark.parametrize(("beam", "way"), pairs(BEAMS, "pattern"))  # which has the most of its own
 def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     arrays = arrays_of(
         rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
@@ -240,17 +237,12 @@ def test_the_surface_itself_is_as_thick_as_its_waves_are_high():
     assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(high, rel=0.15)
 
 
-def test_a_breath_of_wind_is_next_to_a_calm():
+def test_wind_smears_sweep_and_rays_alike_and_a_breath_of_it_next_to_nothing():
     arrays = arrays_of(rough(64, 64, 0.1), 0.5, **OPTIONS)
     for way in BOTTOM_WAYS:
         calm = ghost(sweep.trace, arrays, POSE, 18.0, way)
         breath = ghost(sweep.trace, arrays, POSE, 18.0, way, wind_speed=0.05)
         assert np.abs(np.cumsum(breath - calm, axis=-1)).max() < 0.02 * calm.max()
-
-
-def test_sweep_and_rays_smear_alike():
-    arrays = arrays_of(rough(64, 64, 0.1), 0.5, **OPTIONS)
-    for way in BOTTOM_WAYS:
         ours = ghost(sweep.trace, arrays, POSE, 18.0, way, wind_speed=6.0)
         right = ghost(TRACERS["rays"], arrays, POSE, 18.0, way, wind_speed=6.0)
         coarse = (1, 2, 90, 50)
@@ -277,40 +269,23 @@ def test_the_march_hears_the_same_ghosts():
 
 
 @pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
-def test_the_record_does_not_depend_on_threads_and_blocks(trace):
-    arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02, solids=BODIES)
-    sea = under_sea(arrays, 13.0, *BOTTOM_WAYS, "surface_echo", wind_speed=4.0)
-    poses = poses_of(np.arange(20) * 0.3, 0.2, 7.0)
-    whole = trace(sea, poses, threads=1)
-    np.testing.assert_array_equal(trace(sea, poses, threads=2), whole)
-    np.testing.assert_array_equal(trace(sea, take_poses(poses, slice(7, 9))), whole[7:9])
-
-
-@pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
 def test_a_sea_with_every_way_closed_is_none(trace):
     arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02)
     poses = poses_of(0.1, 0.2, 7.0)
     np.testing.assert_array_equal(trace(under_sea(arrays, 13.0), poses), trace(arrays, poses))
 
 
-@pytest.mark.parametrize("tracer", ["sweep", "rays"])
+@pytest.mark.parametrize(
+    ("trace", "noise"), [(sweep.trace, 2e-3), (partial(rays.trace, rays=1 << 18), 0.03)], ids=["sweep", "rays"]
+)
 @pytest.mark.parametrize("way", BOTTOM_WAYS)
-def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, tracer):
+def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, trace, noise):
     """A record that ends where a path begins is the beginning of a longer one, and the sea's waves are in both."""
     first = {"surface_bottom": 50.0, "surface_bottom_surface": 80.0, "second_bottom": 70.0}[way]
-    trace = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 18)}[tracer]
-    short, long = (
-        ghost(
-            trace,
-            arrays_of(FLAT, 0.1, periodic=True, bins=round(end / 0.1), bin_length=0.1, half_width=math.radians(0.5)),
-            poses_of(0.0, 0.0, ALTITUDE),
-            ALTITUDE + DEPTH,
-            way,
-            wind_speed=4.0,
-        )[0, 0]
-        for end in (first + 0.1, first + 10.0)
-    )
-    noise = 2e-3 if tracer == "sweep" else 0.03
+    options = {"periodic": True, "bin_length": 0.1, "half_width": math.radians(0.5)}
+    scenes = (arrays_of(FLAT, 0.1, bins=round(end / 0.1), **options) for end in (first + 0.1, first + 10.0))
+    pose, surface = poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH
+    short, long = (ghost(trace, arrays, pose, surface, way, wind_speed=4.0)[0, 0] for arrays in scenes)
     np.testing.assert_allclose(short, long[: short.size], rtol=noise, atol=noise * short.max())
 
 
@@ -341,8 +316,7 @@ def test_a_squinting_beam_takes_in_what_every_azimuth_does(way, squint, law):
         return response
 
     right = naive_level_ghost(arrays, respond, 10.0, 12.0, way, turned)
-    traces = [lambda arrays, poses, planes=planes: sweep.trace(arrays, poses, planes=planes) for planes in (1, 256)]
-    traces.append(lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 17))
+    traces = *(partial(sweep.trace, planes=planes) for planes in (1, 256)), partial(rays.trace, rays=1 << 17)
     for trace, bound, bias in zip(traces, (0.012, 0.01, 0.05), (5e-4, 2e-3, 2e-3)):
         record = ghost(trace, arrays, poses_of(0.0, 0.0, 10.0), 22.0, way)[0, 0]
         assert np.linalg.norm(record - right) < bound * np.linalg.norm(right)
@@ -386,18 +360,6 @@ def compare(trace, name, way, law, material, half_width=0.0, **grid):
     return np.linalg.norm(record - right) / np.linalg.norm(right), abs(record.sum() / right.sum() - 1.0)
 
 
-EVERY = pytest.mark.parametrize(("name", "way"), list(itertools.product(ROUND_BODIES, BOTTOM_WAYS)))
-# Every body and every way once; a knife, which is quick, has all pairs.
-SOME = pytest.mark.parametrize(
-    ("name", "way"),
-    [
-        pytest.param(name, way, marks=[pytest.mark.slow] * (name != "ball" and way != BOTTOM_WAYS[number % 3]))
-        for number, name in enumerate(ROUND_BODIES)
-        for way in BOTTOM_WAYS
-    ],
-)
-
-
 @pytest.mark.parametrize(
     ("law", "material", "most", "bias"),
     [
@@ -408,14 +370,14 @@ SOME = pytest.mark.parametrize(
         pytest.param(SONAR, DULL, 0.003, 0.003, marks=pytest.mark.slow),
     ],
 )
-@EVERY
+@pytest.mark.parametrize(("name", "way"), list(itertools.product(ROUND_BODIES, BOTTOM_WAYS)))
 def test_a_knife_hears_a_round_body_as_a_grid_of_angles_does(name, way, law, material, most, bias):
     error, off = compare(sweep.trace, name, way, law, material)
     assert error < most
     assert off < bias
 
 
-@SOME
+@pytest.mark.parametrize(("name", "way"), pairs(ROUND_BODIES, "ball"))
 def test_rays_come_near_the_light_of_a_round_body(name, way):
     """Rays of equal steps of angle are sparse in slant range at a body's edge: they converge slowly."""
     error, off = compare(partial(rays.trace, rays=1 << 17), name, way, LIGHT, DULL)
@@ -429,7 +391,7 @@ def test_a_narrow_lobe_of_a_round_body_has_its_energy(name, way, law, bias):
     assert compare(sweep.trace, name, way, law, NARROW)[1] < bias
 
 
-@SOME
+@pytest.mark.parametrize(("name", "way"), pairs(ROUND_BODIES, "ball"))
 def test_a_fan_averages_the_light_of_a_round_body(name, way):
     fan = {"half_width": math.radians(1.0), "across": 401, "up": 1000}
     error, off = compare(partial(sweep.trace, planes=256), name, way, LIGHT, DULL, **fan)

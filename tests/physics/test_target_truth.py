@@ -177,7 +177,7 @@ def test_light_has_no_target_strength():
 DEGREE = math.radians(1.0)
 BINS, STEP = 600, 0.05
 LENGTH, FREQUENCY, SPEED = 0.2, 400e3, 1500.0
-BALL = ((0.0, 20.0, 0.5), 0.5)
+BALL, BEHIND = ((0.0, 20.0, 0.5), 0.5), ((0.1, 22.0, 1.2), 0.3)
 PIPE = ((-3.0, 18.0, 0.9), (3.0, 22.5, 0.9), 0.3)  # oblique, above the bed, its ends out of sight
 CORNERS = (-0.4, 17.0, 0.0), (0.5, 18.0, 0.8)
 BLOCK = brute_force.box(np.mean(CORNERS, axis=0), np.eye(3), 0.5 * np.ptp(CORNERS, axis=0))
@@ -205,10 +205,7 @@ BODIES = {
     "sphere": ({"solids": [BALL]}, [brute_force.sphere(*BALL)]),
     "pipe": ({"solids": [PIPE]}, [brute_force.frustum(*PIPE, PIPE[2])]),
     "box": ({"mesh": box_mesh(*CORNERS)}, [BLOCK]),
-    "sphere behind sphere": (
-        {"solids": [BALL, ((0.1, 22.0, 1.2), 0.3)]},
-        [brute_force.sphere(*BALL), brute_force.sphere((0.1, 22.0, 1.2), 0.3)],
-    ),
+    "sphere behind sphere": ({"solids": [BALL, BEHIND]}, [brute_force.sphere(*BALL), brute_force.sphere(*BEHIND)]),
 }
 
 

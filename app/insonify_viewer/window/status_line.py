@@ -103,13 +103,13 @@ class JobBar(QProgressBar):
             return
         newest, others = running[-1], len(running) - 1
         share, left = newest.stage.share, newest.seconds_left
-        told = ("" if left is None else f", {format_time_left(left)} left") + (f" (+{others})" if others else "")
+        suffix = ("" if left is None else f", {format_time_left(left)} left") + (f" (+{others})" if others else "")
         self.setRange(0, 0 if share is None else 100)
         self.setValue(0 if share is None else int(100 * share))
-        room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(f": 100 %{told}")
+        room = self.width() - MARGIN - self.fontMetrics().horizontalAdvance(f": 100 %{suffix}")
         title = self.fontMetrics().elidedText(one_line(newest.title), Qt.TextElideMode.ElideRight, max(room, 0))
-        self.setFormat(f"{title.replace('%', '')}: %p %{told}")  # a percent sign would be read as a place
-        self.setAccessibleDescription(f"{newest.title}{told}")
+        self.setFormat(f"{title.replace('%', '')}: %p %{suffix}")  # a percent sign would be read as a place
+        self.setAccessibleDescription(f"{newest.title}{suffix}")
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Signal a click."""

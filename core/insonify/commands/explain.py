@@ -39,9 +39,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     scene = options.chosen_scene(arguments)
     pixel = options.find_pixel(scene, arguments.ping, arguments.side, arguments.range)
-    how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
     with report_waiting():
-        simulation = prepare(scene, **how, forced=options.chosen_model(arguments))
+        simulation = prepare(scene, **options.chosen_method(arguments))
     options.say(*_table(explain_pixel(simulation, *pixel)))
 
 

@@ -9,8 +9,6 @@ from insonify.io.records import RECORDS, read_record
 from insonify.progress import report_progress
 from insonify.scene import read_setting
 
-EXAMPLE = "example: insonify learn recording.xtf -o scene.toml --set sonar.beam.width=0.5"
-
 
 def register(subparsers: Any) -> None:
     """Add ``learn``."""
@@ -19,7 +17,7 @@ def register(subparsers: Any) -> None:
         description="Take sonar and track from a record, learn relief, material, speckle and level of its bed, and "
         "write a scene whose own record resembles it. Print what matches, what differs, and what the record does not "
         "show.",
-        epilog=EXAMPLE,
+        epilog="example: insonify learn recording.xtf -o scene.toml --set sonar.beam.width=0.5",
     )
     parser.add_argument("record", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}")
     add_output(parser, (".toml",))

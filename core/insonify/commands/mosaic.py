@@ -7,8 +7,6 @@ from insonify.commands.options import add_frequency, add_output, chosen_output, 
 from insonify.io.records import RECORDS
 from insonify.surveys import ALTITUDES, OVERLAPS
 
-EXAMPLE = "example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest"
-
 
 def register(subparsers: Any) -> None:
     """Add ``mosaic``."""
@@ -17,7 +15,7 @@ def register(subparsers: Any) -> None:
         description="Correct records from slant range to ground range, lay them on the map by position and heading, "
         "and write one GeoTIFF: decibels relative to the median of each record at its range, with NaN where nothing "
         "was insonified; or its picture as KMZ, for Google Earth.",
-        epilog=EXAMPLE,
+        epilog="example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest",
     )
     parser.add_argument(
         "records", nargs="+", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}"

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, count, repeat
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from insonify.files import bundled_specifications
 from insonify.io.atomic import NEW, temporary_path
@@ -25,10 +25,8 @@ FALLBACK = "insonify.png"  # its name, if none is given and there is no such fil
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
     """Add the options for a scene and its settings."""
     explained = "name of a bundled scene (see 'insonify scenes') or a TOML file"
-    if optional:
-        parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, metavar="SCENE", help=explained)
-    else:
-        parser.add_argument("scene", metavar="SCENE", help=explained)
+    default: dict[str, Any] = {"nargs": "?", "default": DEFAULT_SCENE} if optional else {}
+    parser.add_argument("scene", metavar="SCENE", help=explained, **default)
     add_many(parser, "--set", "PATH=VALUE", "set a field of the scene, e.g. sonar.beam.width=2.5")
     parser.add_argument("--seed", metavar="N", help="same as --set seed=N")
 
@@ -103,15 +101,15 @@ class _Methods:
         return iter(list_methods())
 
 
-def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return the overrides of the plan, by their subjects."""
+def chosen_method(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return method, tolerance and model choices as arguments of `insonify.planning.plan`."""
     forced = {}
     for text in arguments.model:
         subject, equals, choice = text.partition("=")
         if not equals:
             raise SceneError(f"--model {text}: there is no '='; write SUBJECT=CHOICE, such as planes=16 or bending=off")
         forced[subject.strip()] = choice.strip()
-    return forced
+    return {"method": arguments.method, "tolerance": arguments.tolerance, "forced": forced}
 
 
 def is_record(name: str) -> bool:

@@ -3,7 +3,7 @@
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_method, add_scene, chosen_model, chosen_scene, say
+from insonify.commands.options import add_method, add_scene, chosen_method, chosen_scene, say
 from insonify.progress import report_waiting
 
 
@@ -26,9 +26,9 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.acoustics.bed_materials import describe_materials
     from insonify.planning import plan
 
-    scene, forced = chosen_scene(arguments), chosen_model(arguments)
+    scene = chosen_scene(arguments)
     with report_waiting():
-        found = plan(scene, arguments.tolerance, method=arguments.method, forced=forced)
+        found = plan(scene, **chosen_method(arguments))
     say(found.table())
     for number, line in enumerate([*describe_materials(scene), *scene.describe_limits()]):
         say(line if number else f"\n{line}")

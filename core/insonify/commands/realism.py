@@ -6,8 +6,6 @@ from typing import Any
 
 from insonify.commands.options import add_output, chosen_output, say
 
-EXAMPLE = "example: insonify realism real-seabed set/train/images -o realism.png"
-
 
 def register(subparsers: Any) -> None:
     """Add ``realism``."""
@@ -17,7 +15,7 @@ def register(subparsers: Any) -> None:
         "how far their distributions differ. Where scikit-learn is installed, a classifier tries to tell the two apart "
         "by all of it and by each group: an area under the curve (AUC) of 0.5 means that it cannot, 1 that it always "
         "can.",
-        epilog=EXAMPLE,
+        epilog="example: insonify realism real-seabed set/train/images -o realism.png",
     )
     parser.add_argument("folders", nargs=2, metavar="FOLDER", help="folder of images; its subfolders are searched too")
     add_output(parser, (".png",), required=False)

@@ -76,13 +76,8 @@ def run(arguments: argparse.Namespace) -> None:
         scene = options.chosen_scene(arguments)
         if arguments.frequency is not None:
             raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
-        settings = {
-            "method": arguments.method,
-            "tolerance": arguments.tolerance,
-            "forced": options.chosen_model(arguments),
-        }
-        settings |= {"truth": arguments.truth, "threads": arguments.threads}
-        write(scene, path, look, choices, **settings)
+        settings = options.chosen_method(arguments) | {"threads": arguments.threads}
+        write(scene, path, look, choices, truth=arguments.truth, **settings)
         pings, bins = scene.track.pings, scene.sonar.bins
     options.say(f"{path}: {pings} pings of 2 x {bins} bins")
 
@@ -136,20 +131,16 @@ def write(
     look: DisplayOptions,
     choices: Mapping[str, str] | None = None,
     *,
-    method: str = "auto",
-    tolerance: float = 0.03,
-    forced: Mapping[str, str] | None = None,
     truth: bool = False,
-    threads: int | None = None,
     track: Tracker = options.tracked,
+    **settings: Any,
 ) -> None:
-    """Simulate a scene and write its record or picture."""
+    """Simulate a scene, by arguments of `insonify.simulation.prepare`, and write its record or picture."""
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.parallel import one_ahead
     from insonify.simulation import prepare, simulate_record_blocks
 
     pings = scene.track.pings
-    settings: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
         blocks = one_ahead(simulate_record_blocks(scene, **settings, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))

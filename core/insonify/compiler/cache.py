@@ -32,18 +32,6 @@ class PartLibrary(JITCodeLibrary):
 
     optimised = True  # on its own; if not, with the callers' code alone
 
-    @classmethod
-    def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> Self:
-        """Restore a library from its bitcode."""
-        library = cls(codegen, name)
-        library._shared_module = llvm.parse_bitcode(bitcode)
-        library._finalized = True
-        return library
-
-    def to_bitcode(self) -> bytes:
-        """Return the code as it is linked into callers."""
-        return bytes(self._get_module_for_linking().as_bitcode())
-
     def _optimize_final_module(self) -> None:
         if self.optimised:
             super()._optimize_final_module()
@@ -92,10 +80,11 @@ class EntryCode(CompileResultCacheImpl):
     """What is written of a function that Python calls: its machine code, and the name of that."""
 
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
+    ending = ""  # of the names of its files
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
         """Name the files with the version of Numba, which empties an index that another of its versions wrote."""
-        return f"{super().get_filename_base(fullname, abiflags)}.numba-{numba.__version__}"
+        return f"{super().get_filename_base(fullname, abiflags)}.numba-{numba.__version__}{self.ending}"
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
         """Leave out the LLVM code that Numba adds for callers: here they have the part, and the name is enough."""
@@ -111,9 +100,7 @@ def _bitcode_of_name(name: str) -> bytes:
 class PartCode(EntryCode):
     """What is written of a function that other kernels call, and how it is read."""
 
-    def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """Name the files."""
-        return f"{super().get_filename_base(fullname, abiflags)}.part"
+    ending = ".part"
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
         """Return what is pickled."""
@@ -122,10 +109,13 @@ class PartCode(EntryCode):
         return cres.library.name, code, cres.fndesc, cres.environment, cres.signature, cres.reload_init
 
     def _code_of(self, cres: Any) -> Any:
-        return cres.library.to_bitcode()
+        return bytes(cres.library._get_module_for_linking().as_bitcode())
 
     def _library_from(self, codegen: Any, name: str, code: Any) -> Any:
-        return PartLibrary.from_bitcode(codegen, name, code)
+        library = PartLibrary(codegen, name)
+        library._shared_module = llvm.parse_bitcode(code)
+        library._finalized = True
+        return library
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
         """Restore what was pickled."""
@@ -149,9 +139,7 @@ class PartCode(EntryCode):
 class SeparateCode(PartCode):
     """What is written of a function that other kernels call by its address: its machine code, and the name of that."""
 
-    def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        """Name the files."""
-        return f"{super().get_filename_base(fullname, abiflags)}.separate"
+    ending = ".part.separate"
 
     def _code_of(self, cres: Any) -> Any:
         return cres.library._get_compiled_object(), _bitcode_of_name(cres.fndesc.llvm_func_name)
@@ -234,7 +222,7 @@ class KernelCache(FunctionCache):
 
     def _has_waited(self) -> bool:
         """Take the right to compile this kernel; whether another process had it meanwhile."""
-        # Threads of one process take turns, for Numba's lock is held. No kernel calls itself, not even through others,
+        # Threads of one process take turns by Numba's lock. No kernel calls itself, not even through others,
         # so that no two processes can wait for each other.
         waited = False
         if self._enabled and self._lock is None:

@@ -1,7 +1,6 @@
 """Numba's events of compilation, turned into the progress of one kernel at a time."""
 
 import time
-from dataclasses import dataclass, field
 from types import FunctionType
 from typing import Any
 
@@ -32,17 +31,13 @@ UNSURE = 0.05  # share done up to which the time left is not predicted
 ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
 
 
-@dataclass
 class _Progress:
     """Functions that a kernel calls and that are not compiled yet, each weighed by the size of its bytecode."""
 
-    kernel: FunctionType
-    start: float = field(default_factory=time.monotonic)
-    left: dict[FunctionType, int] = field(init=False)
-    whole: int = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.left = {function: len(function.__code__.co_code) for function in called_functions(self.kernel)}
+    def __init__(self, kernel: FunctionType) -> None:
+        folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
+        self.subject, self.start = WORDS.get(folder, "kernels"), time.monotonic()
+        self.left = {function: len(function.__code__.co_code) for function in called_functions(kernel)}
         self.whole = sum(self.left.values())
 
     def finish(self, function: FunctionType) -> None:
@@ -55,7 +50,7 @@ class _Progress:
         done = (1.0 - ROOT) * (1.0 - sum(self.left.values()) / self.whole)
         now = time.monotonic()
         left = (now - self.start) * (1.0 / done - 1.0) if done > UNSURE else None
-        return Compilation(_subject(self.kernel), done, left, now)
+        return Compilation(self.subject, done, left, now)
 
 
 class CompilationListener(event.Listener):
@@ -101,12 +96,6 @@ def called_functions(function: FunctionType) -> set[FunctionType]:
         found |= new
         pending.extend(new)
     return found
-
-
-def _subject(kernel: FunctionType) -> str:
-    """Name the calculation of a kernel, by its module's folder."""
-    folder = kernel.__module__.removeprefix(f"{PACKAGE}.").partition(".")[0]
-    return WORDS.get(folder, "kernels")
 
 
 def report_compilations() -> None:

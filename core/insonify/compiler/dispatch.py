@@ -50,7 +50,8 @@ class Kernel:
     @cached_property
     def entry(self) -> Any:
         """Numba's dispatcher of calls from Python."""
-        entry: Any = _Entry(self.py_func, {}, self.options)
+        entry: Any = Dispatcher(self.py_func, {}, self.options)
+        entry.form = "entry"
         if self.kept:
             entry._cache = KernelCache(self.py_func, EntryCode)
         return entry
@@ -73,31 +74,19 @@ class Dispatcher(CPUDispatcher):
     """Numba's dispatcher, which gives up the right to compile a kernel once it is compiled or loaded."""
 
     _cache: Any
+    form = ""  # ``entry`` or ``machine_code`` of a kernel, which another process may compile
 
     def compile(self, sig: Any) -> Any:
-        """Compile the function for types of arguments, or load its code."""
+        """Compile the function for types of arguments, in another process if one is wanted, or load its code."""
+        kept = isinstance(self._cache, KernelCache)  # else no file would bring it from there
+        if self.form and elsewhere.wanted and kept and "<locals>" not in self.py_func.__qualname__:
+            if sig not in self.overloads and self._cache.lacks(sig, self.targetctx):
+                elsewhere.compile(name_code(self.py_func, self.form, sig))
         try:
             return super().compile(sig)
         finally:
-            if isinstance(self._cache, KernelCache):
+            if kept:
                 self._cache.let_go()
-
-
-class _Entry(Dispatcher):
-    """A function as Python calls it."""
-
-    def compile(self, sig: Any) -> Any:
-        """Compile the function for types of arguments, or load its code."""
-        let_compile(self, "entry", sig)
-        return super().compile(sig)
-
-
-def let_compile(code: Any, form: str, arguments: tuple[Any, ...]) -> None:
-    """Have another process compile a form of a kernel, if one is to be used and the machine code is not on disk."""
-    function, kept = code.py_func, isinstance(code._cache, KernelCache)  # else no file would bring it from there
-    if elsewhere.wanted and kept and "<locals>" not in function.__qualname__ and arguments not in code.overloads:
-        if code._cache.lacks(arguments, code.targetctx):
-            elsewhere.compile(name_code(function, form, arguments))
 
 
 def name_code(function: Callable[..., Any], form: str, arguments: tuple[Any, ...]) -> bytes:

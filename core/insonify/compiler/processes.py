@@ -43,7 +43,7 @@ class CompilingProcess:
         with self._changed:
             if name not in self.pending:
                 self.pending.add(name)
-                self._send(name)
+                self.send(name)
 
     def wait(self, name: bytes) -> bool:
         """Wait until a kernel is compiled; false if the process has ended without it."""
@@ -51,17 +51,14 @@ class CompilingProcess:
             self._changed.wait_for(lambda: name not in self.pending or self.ended)
             return name not in self.pending
 
-    def finish(self) -> None:
-        """Let the process end when all requested kernels are compiled."""
-        self._send(None)
-
     def stop(self) -> None:
         """End the process now, whatever it compiles."""
         self.stopped = True
         self._child.process.kill()
         self._reader.join()
 
-    def _send(self, request: bytes | str | None) -> None:
+    def send(self, request: bytes | str | None) -> None:
+        """Send a request; None lets the process end when all requested kernels are compiled."""
         with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
             self._child.send(request)
 
@@ -106,7 +103,7 @@ class _Helper:
     def finish(self) -> None:
         """Request no more kernels; the process ends when it has compiled those that were requested."""
         if self.process is not None:
-            self.process.finish()
+            self.process.send(None)
             self.process = None
 
     def request(self, name: bytes) -> None:
@@ -132,16 +129,10 @@ class _Elsewhere:
         self.process: CompilingProcess | None = None
         self.lock = threading.Lock()
 
-    def begin(self, function: str) -> None:
-        """Let the process call a function ``module:name`` that compiles kernels, without waiting for it."""
-        self.wanted = True
-        if (process := self._running()) is not None:
-            process.request(function)
-
     def compile(self, name: bytes) -> None:
         """Wait until the process has compiled a kernel; if it cannot be started or ends early, nothing is done."""
         for _ in range(TRIES):
-            process = self._running()
+            process = self.running()
             if process is None:
                 return
             process.request(name)
@@ -150,7 +141,8 @@ class _Elsewhere:
             if process.stopped:
                 raise CompilationStoppedError("the window that needed a kernel has been closed")
 
-    def _running(self) -> CompilingProcess | None:
+    def running(self) -> CompilingProcess | None:
+        """Return the process, which is started if it is wanted and can be."""
         with self.lock, contextlib.suppress(OSError):
             if self.wanted and sys.executable and (self.process is None or self.process.ended):
                 self.process = CompilingProcess(reports=True)
@@ -176,8 +168,8 @@ def compiled_elsewhere(first: str = "") -> Iterator[None]:
     """
     # Threads that then still wait for a kernel get a `CompilationStoppedError`.
     elsewhere.wanted = True
-    if first and not cache_folder().exists():
-        elsewhere.begin(first)
+    if first and not cache_folder().exists() and (process := elsewhere.running()) is not None:
+        process.request(first)
     try:
         yield
     finally:

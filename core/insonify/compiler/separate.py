@@ -25,7 +25,6 @@ from insonify.compiler.dispatch import (
     WithoutWrapper,
     compile_named,
     failure,
-    let_compile,
     name_code,
 )
 from insonify.compiler.processes import helper
@@ -116,11 +115,7 @@ class _MachineCode(Dispatcher):
     """Machine code of a separate kernel, by type of the arguments; its entry points are addresses."""
 
     returned: Any
-
-    def compile(self, sig: Any) -> Any:
-        """Compile the kernel for types of arguments, or load its code."""
-        let_compile(self, "machine_code", sig)
-        return super().compile(sig)
+    form = "machine_code"
 
     def add_overload(self, cres: Any) -> None:
         """Make the machine code of a compiled signature known."""

@@ -34,40 +34,31 @@ class LevelBed:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
+        self._step = simulation.arrays.bin_length / 8.0
         self._kept = keep_arrays(self._curve)
 
     def curves(self, pings: Integers) -> Floats:
         """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin."""
         curves, which = self._curves_of(pings)
-        return curves[which][:, None]
+        return curves[which]
 
     def normalise(self, intensity: Singles, pings: Integers) -> Singles:
         """Compute amplitudes relative to the level beds of pings."""
-        return self._relate(np.array(intensity, dtype=np.float32, order="C"), pings)
+        return _relate(np.array(intensity, dtype=np.float32, order="C"), *self._curves_of(pings))
 
     def amplitudes(self, pings: Integers) -> Singles:
         """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities."""
-        return self._relate(np.ascontiguousarray(self._simulation.intensity(pings)), pings)
-
-    def _relate(self, record: Singles, pings: Integers) -> Singles:
-        """Turn intensities into amplitudes in place."""
-        curves, which = self._curves_of(pings)
-        _relate(record, curves, np.repeat(which, record.shape[1]))
-        return record
+        return _relate(np.ascontiguousarray(self._simulation.intensity(pings)), *self._curves_of(pings))
 
     def _curves_of(self, pings: Integers) -> tuple[Floats, Integers]:
-        """Curves, (curves, bins), and which of them each ping has."""
+        """Curves, (curves, bins), and which of them each ping has, (pings, 1)."""
         simulation = self._simulation
         beneath = interpolate_bed_beneath(simulation.scene, simulation.ground, pings)
         # Far from all places there is no number for the height of the bed.
         eighths = np.nan_to_num(np.rint((simulation.poses(pings).z - beneath) / self._step), nan=1.0)
         numbers, which = np.unique(np.clip(eighths, 1, MOST_EIGHTHS).astype(np.int64), return_inverse=True)
         curves = np.array([self._kept(int(number)) for number in numbers])
-        return curves.reshape(-1, simulation.arrays.bins), which
-
-    @property
-    def _step(self) -> float:
-        return self._simulation.arrays.bin_length / 8.0
+        return curves.reshape(-1, simulation.arrays.bins), which[:, None]
 
     def _curve(self, eighths: int) -> Floats:
         echo = extend_to_water_column(flat_bed_curve(self._simulation.arrays, eighths * self._step))
@@ -122,17 +113,17 @@ def normalise(intensity: Singles, curve: Floats) -> Singles:
     curves = np.asarray(curve, dtype=np.float64)
     which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
     amplitude = np.array(intensity, dtype=np.float32, order="C")
-    rows = np.array(np.broadcast_to(which, amplitude.shape[:-1]))  # a view is read-only, and compiled for on its own
-    _relate(amplitude, curves.reshape(-1, curves.shape[-1]), rows)
-    return amplitude
+    return _relate(amplitude, curves.reshape(-1, curves.shape[-1]), which)
 
 
-def _relate(intensity: Singles, curves: Floats, which: Integers) -> None:
+def _relate(intensity: Singles, curves: Floats, which: Integers) -> Singles:
     """Turn intensities into amplitudes relative to curves, (curves, bins), one of them for each row of a record."""
     # They are written in place: to touch fresh memory takes longer than the arithmetic.
-    record, inverse, rows = intensity.reshape(-1, intensity.shape[-1]), 1.0 / curves, which.ravel()
+    record, inverse = intensity.reshape(-1, intensity.shape[-1]), 1.0 / curves
+    rows = np.broadcast_to(which, intensity.shape[:-1]).flatten()  # a view is read-only, and compiled for on its own
 
     def block(first: int, last: int) -> None:
         relate_amplitudes(record[first:last], inverse, rows[first:last])
 
     in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    return intensity

@@ -47,14 +47,7 @@ class Frame(NamedTuple):
 
 
 def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
-    """Write a sheet with scales, colour bar and caption as PNG."""
-    page = draw_page(sheet, look, caption)
-    with replacing(path) as beside:
-        page.save(beside, format="PNG", dpi=(DPI, DPI), compress_type=COMPRESSION)
-
-
-def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Image.Image:
-    """Draw a sheet on a page, one pixel per amplitude."""
+    """Write a sheet with scales, colour bar and caption as PNG, one pixel per amplitude."""
     # By Pillow: Matplotlib takes longer to import and to draw the same than all before.
     height, width = sheet.amplitude.shape
     page = Image.new("RGB", (LEFT + width + RIGHT, TOP + height + BOTTOM), "white")
@@ -73,7 +66,8 @@ def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) ->
         corners = (frame.left - 1, frame.top - 1, frame.left + frame.width, frame.top + frame.height)
         ImageDraw.Draw(page).rectangle(corners, outline=FAINT)
     _headings(page, width, look, caption)
-    return page
+    with replacing(path) as beside:
+        page.save(beside, format="PNG", dpi=(DPI, DPI), compress_type=COMPRESSION)
 
 
 def _scales(page: Image.Image, frame: Frame, sheet: RecordSheet, look: DisplayOptions) -> None:
@@ -184,25 +178,19 @@ def _headings(page: Image.Image, width: int, look: DisplayOptions, caption: Page
 
 def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:
     """Caption of a simulated record: tow, beam, frequency, bin and ping spacing."""
-    sonar = scene.sonar
+    sonar, track = scene.sonar, scene.track
+    height = f"altitude {scene.altitude:g} m" if track.depth is None else f"depth {track.depth:g} m"
     parts = [
-        _tow(scene),
+        ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds]),
         sonar.beam.words,
         *filter(None, [sonar.vertical.words]),
         f"{sonar.frequency / 1e3:g} kHz",
         f"{sonar.bins} bins of {100.0 * sonar.range / sonar.bins:.3g} cm",
-        f"ping every {100.0 * scene.track.speed / sonar.ping_rate:.3g} cm",
+        f"ping every {100.0 * track.speed / sonar.ping_rate:.3g} cm",
     ]
     if sonar.law == "light":
         parts.append("law light")
     return PageCaption(scene.title, _line(parts, look), "a perfect Lambert bed")
-
-
-def _tow(scene: Scene) -> str:
-    """Altitude or depth of the sonar and its motions in words."""
-    track = scene.track
-    height = f"altitude {scene.altitude:g} m" if track.depth is None else f"depth {track.depth:g} m"
-    return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
 
 
 def caption_record(record: Dataset, along: float, look: DisplayOptions) -> PageCaption:

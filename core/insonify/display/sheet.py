@@ -99,13 +99,8 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
 
 def gather_record_sheet(record: Dataset, look: DisplayOptions) -> RecordSheet:
     """Make a sheet of a whole record relative to its own median at every range."""
-    own = compute_median_curve(record)
-    return gather_sheet(
-        [take_sheet_pings(record)],
-        lambda intensity, pings: normalise(intensity, own[pings]),
-        record.sizes["ping_time"],
-        look,
-    )
+    own, pings = compute_median_curve(record), record.sizes["ping_time"]
+    return gather_sheet([take_sheet_pings(record)], lambda block, some: normalise(block, own[some]), pings, look)
 
 
 def compute_median_curve(record: Dataset) -> Floats:

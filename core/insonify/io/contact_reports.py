@@ -78,7 +78,7 @@ def _write_pdf(path: Path, contacts: Sequence[Contact]) -> None:
 
     with replacing(path) as beside, PdfPages(beside, metadata={"Title": "Contacts"}) as pages:
         figure, top = Figure(figsize=PAPER), TOP
-        told: dict[str, Any] = {"va": "top", "parse_math": False}
+        style: dict[str, Any] = {"va": "top", "parse_math": False}
         for contact in contacts:
             lines = [
                 (name if first else "", line)
@@ -93,11 +93,11 @@ def _write_pdf(path: Path, contacts: Sequence[Contact]) -> None:
                 axes = figure.add_axes((LEFT, top - PICTURE, 1.414 * PICTURE, PICTURE))
                 axes.imshow(pixels, interpolation="nearest")
                 axes.set_axis_off()
-            figure.text(MIDDLE, top, plain_text(contact.name), fontsize=12, fontweight="bold", **told)
+            figure.text(MIDDLE, top, plain_text(contact.name), fontsize=12, fontweight="bold", **style)
             for row, (name, line) in enumerate(lines):
                 y = top - (row + 1.5) * LINE
-                figure.text(MIDDLE, y, name, color="0.4", fontsize=9, **told)
-                figure.text(MIDDLE + 0.11, y, line, fontsize=9, **told)
+                figure.text(MIDDLE, y, name, color="0.4", fontsize=9, **style)
+                figure.text(MIDDLE + 0.11, y, line, fontsize=9, **style)
             top -= high
         pages.savefig(figure, dpi=DPI)
 

@@ -1,6 +1,7 @@
 """Refusal of a sonar that is inside a target."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,30 +15,24 @@ CLOSED = 0.99  # share of the whole sphere that a closed mesh covers from inside
 
 def refuse_sonar_in_target(arrays: SceneArrays, poses: Poses) -> None:
     """Raise if a ping is sent from inside a target."""
-    _refuse_sonar_in_mesh(arrays, poses)
-    solids = arrays.solids
+    target = next(_enclosing_targets(arrays, poses), None)
+    if target is not None:
+        raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+
+
+def _enclosing_targets(arrays: SceneArrays, poses: Poses) -> Iterator[int]:
+    """Targets with a mesh or a solid from inside of which a ping is sent."""
+    mesh, solids = arrays.mesh, arrays.solids
+    if mesh.target.size > 0:
+        places = np.column_stack([poses.x, poses.y, poses.z])
+        places = _within(places, mesh.low[0], mesh.high[0])  # the box of the tree's root holds every triangle
+        for target in np.unique(mesh.target) if len(places) else ():
+            corners = mesh.corners[mesh.target == target]
+            near = _within(places, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+            if any(abs(solid_angle(corners - place)) > CLOSED * 4.0 * math.pi for place in near):
+                yield int(target)
     if solids.shape.size > 0 and (solid := find_enclosing_solid(solids, poses.x, poses.y, poses.z)) >= 0:
-        _refuse(int(solids.target[solid]))
-
-
-def _refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
-    """Raise if a ping is sent from inside a mesh."""
-    mesh = arrays.mesh
-    if mesh.target.size == 0:
-        return
-    places = np.column_stack([poses.x, poses.y, poses.z])
-    places = _within(places, mesh.low[0], mesh.high[0])  # the box of the tree's root holds every triangle
-    if len(places) == 0:
-        return
-    for target in np.unique(mesh.target):
-        corners = mesh.corners[mesh.target == target]
-        near = _within(places, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
-        if any(abs(solid_angle(corners - place)) > CLOSED * 4.0 * math.pi for place in near):
-            _refuse(int(target))
-
-
-def _refuse(target: int) -> None:
-    raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+        yield int(solids.target[solid])
 
 
 def _within(places: Floats, low: Floats, high: Floats) -> Floats:

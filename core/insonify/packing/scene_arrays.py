@@ -98,17 +98,12 @@ def _transposed(heights: Singles) -> Singles:
     known, shared = _SHARED.get(id(heights), (None, None))
     if known is not None and shared is not None and known() is heights and (turned := shared()) is not None:
         return turned
-    number, turned = id(heights), _turned(heights)
-    _SHARED[number] = weakref.ref(heights), weakref.ref(turned, lambda _: _SHARED.pop(number, None))
-    return turned
-
-
-def _turned(heights: Singles) -> Singles:
-    """Transposed copy, strip by strip: six times as fast as row by row, which misses the cache."""
-    ny, nx = heights.shape
-    turned = np.empty((nx, ny), dtype=heights.dtype)
-    for first in range(0, ny, STRIP):
+    # Strip by strip: six times as fast as row by row, which misses the cache.
+    turned = np.empty(heights.shape[::-1], dtype=heights.dtype)
+    for first in range(0, len(heights), STRIP):
         turned[:, first : first + STRIP] = heights[first : first + STRIP].T
+    number = id(heights)
+    _SHARED[number] = weakref.ref(heights), weakref.ref(turned, lambda _: _SHARED.pop(number, None))
     return turned
 
 

@@ -26,7 +26,12 @@ def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Ref
     before = len(ground.reflectivities)
     target = _numbers([len(shape.solids) for shape in shapes])
     solids = pack_solids([solid for shape in shapes for solid in shape.solids], before + target, target)
-    return solids, _mesh(shapes, before), [*ground.reflectivities, *materials]
+    target = _numbers([len(shape.triangles) for shape in shapes])
+    corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
+    whole = has_area(corners)  # triangles far smaller than their distance from the origin lose it by rounding
+    closed = np.array([shape.closed for shape in shapes], np.bool_)[target]
+    mesh = build_mesh(corners[whole], before + target[whole], target[whole], closed[whole])
+    return solids, mesh, [*ground.reflectivities, *materials]
 
 
 def pack_solids(rows: Sequence[Solid], material: Integers, target: Integers) -> Solids:
@@ -41,15 +46,6 @@ def pack_solids(rows: Sequence[Solid], material: Integers, target: Integers) -> 
         material=material,
         target=target,
     )
-
-
-def _mesh(shapes: list[Shape], before: int) -> Mesh:
-    """Pack the triangles of all targets for the kernels; their materials follow those before."""
-    target = _numbers([len(shape.triangles) for shape in shapes])
-    corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
-    whole = has_area(corners)  # triangles far smaller than their distance from the origin lose it by rounding
-    closed = np.array([shape.closed for shape in shapes], np.bool_)[target]
-    return build_mesh(corners[whole], before + target[whole], target[whole], closed[whole])
 
 
 def _numbers(counts: list[int]) -> Integers:

@@ -33,15 +33,13 @@ class TerrainTiles:
     """Beds, one for each tile of endless ground; any other ground is one tile."""
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
-        self._ground, self.reach = ground, reach
         self._beds = _beds_of(ground, reach) if isinstance(ground, EndlessGround) else None
 
     def expect(self, poses: Poses) -> None:
         """Keep the beds of all windows beneath some poses, up to `MOST_BEDS`, once they are made."""
         # Calls over one window after another otherwise drop the first beds, which a later call over all of them needs.
         if self._beds is not None and poses.x.size:
-            assert isinstance(self._ground, EndlessGround)
-            self._beds.make_room(len(np.unique(self._ground.cell(poses.x, poses.y), axis=0)))
+            self._beds.make_room(len(np.unique(self._beds.ground.cell(poses.x, poses.y), axis=0)))
 
     def map(self, trace: Callable[[SceneArrays, Poses], Any], arrays: SceneArrays, poses: Poses) -> Any:
         """Trace pings tile by tile: an array of the pings, or a tuple of such arrays."""
@@ -59,8 +57,7 @@ class TerrainTiles:
         if self._beds is None or poses.x.size == 0:
             yield slice(None), arrays
             return
-        assert isinstance(self._ground, EndlessGround)
-        cells, which = np.unique(self._ground.cell(poses.x, poses.y), axis=0, return_inverse=True)
+        cells, which = np.unique(self._beds.ground.cell(poses.x, poses.y), axis=0, return_inverse=True)
         self._beds.make_room(len(cells))
         for k, (row, column) in enumerate(cells):
             yield np.flatnonzero(which.reshape(-1) == k), arrays._replace(bed=self._beds.bed(int(row), int(column)))
@@ -70,7 +67,7 @@ class _WindowBeds:
     """Beds of the windows of endless ground; the least recently used are dropped."""
 
     def __init__(self, ground: EndlessGround, reach: float) -> None:
-        self._ground, self._reach = ground, reach
+        self.ground, self._reach = ground, reach
         self._beds: OrderedDict[tuple[int, int], Bed] = OrderedDict()
         self._room = KEPT_BEDS
         self._lock = Lock()
@@ -94,7 +91,7 @@ class _WindowBeds:
                 near = StoredWindow(*place, self._beds[place].heights, self._beds[place].materials)
             while len(self._beds) >= self._room:  # before the new one takes memory
                 self._beds.popitem(last=False)
-        made = make_bed(self._ground.window(row, column, MARGIN * self._reach, near))
+        made = make_bed(self.ground.window(row, column, MARGIN * self._reach, near))
         with self._lock:
             self._beds[row, column] = made
         # Beds of the grounds that were used least recently are dropped until all together are small enough.

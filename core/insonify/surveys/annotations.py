@@ -55,7 +55,7 @@ class Coco(AnnotationKind, kind="coco", rank=10):
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
         """Write the files as tiles come: memory does not grow with their number."""
         with ExitStack() as stack:
-            files = {
+            collectors = {
                 split: [
                     stack.enter_context(_open_coco(folder / split / f"coco-{extent}.json", extent, classes))
                     for extent in self.of
@@ -64,51 +64,17 @@ class Coco(AnnotationKind, kind="coco", rank=10):
             }
 
             def add(tile: Mapping[str, Any]) -> None:
-                for file in files[tile["split"]]:
-                    file.add(tile)
+                for collect in collectors[tile["split"]]:
+                    collect(tile)
 
             yield add
 
 
-class _CocoFile:
-    """A file while it is written: images go into it, annotations into another that is appended in the end."""
-
-    def __init__(self, images: IO[str], annotations: IO[str], extent: Extent, classes: Sequence[str]) -> None:
-        self._images, self._annotations, self._extent = images, annotations, extent
-        self._numbers = {name: number for number, name in enumerate(classes, 1)}
-        self._image = self._annotation = 0
-
-    def add(self, tile: Mapping[str, Any]) -> None:
-        """Add an image and the annotations of its targets."""
-        height, width = tile["shape"]
-        self._image += 1
-        image = {"id": self._image, "file_name": tile["file"], "width": width, "height": height}
-        _append(self._images, image, self._image)
-        for found in tile["targets"]:
-            region = found[self._extent]
-            if region is None:
-                continue
-            self._annotation += 1
-            annotation = {
-                "id": self._annotation,
-                "image_id": self._image,
-                "category_id": self._numbers[found["class"]],
-                "bbox": region["box"],
-                "area": region["area"],
-                "segmentation": region["segmentation"],
-                "iscrowd": 0,
-            }
-            _append(self._annotations, annotation, self._annotation)
-
-
-def _append(file: IO[str], entry: Mapping[str, Any], number: int) -> None:
-    file.write(("" if number == 1 else ",\n") + json.dumps(entry))
-
-
 @contextmanager
-def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_CocoFile]:
-    """Open a file that appears when it is whole."""
-    categories = [{"id": number, "name": name} for number, name in enumerate(classes, 1)]
+def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[Collector]:
+    """Open a file that appears when it is whole; annotations are written beside it and appended in the end."""
+    numbers = {name: number for number, name in enumerate(classes, 1)}
+    categories = [{"id": number, "name": name} for name, number in numbers.items()]
     if not in_store(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     with (
@@ -116,8 +82,29 @@ def _open_coco(path: Path, extent: Extent, classes: Sequence[str]) -> Iterator[_
         open(beside, "w", encoding="utf-8", newline="") as images,
         tempfile.TemporaryFile("w+", encoding="utf-8", newline="", dir=beside.parent) as annotations,
     ):
+        written: dict[IO[str], int] = {images: 0, annotations: 0}  # entries
+
+        def append(file: IO[str], entry: Mapping[str, Any]) -> None:
+            file.write((",\n" if written[file] else "") + json.dumps({"id": written[file] + 1, **entry}))
+            written[file] += 1
+
+        def add(tile: Mapping[str, Any]) -> None:
+            height, width = tile["shape"]
+            append(images, {"file_name": tile["file"], "width": width, "height": height})
+            for found in tile["targets"]:
+                if (region := found[extent]) is not None:
+                    annotation = {
+                        "image_id": written[images],
+                        "category_id": numbers[found["class"]],
+                        "bbox": region["box"],
+                        "area": region["area"],
+                        "segmentation": region["segmentation"],
+                        "iscrowd": 0,
+                    }
+                    append(annotations, annotation)
+
         images.write(f'{{"categories": {json.dumps(categories)},\n"images": [\n')
-        yield _CocoFile(images, annotations, extent, classes)
+        yield add
         images.write('],\n"annotations": [\n')
         annotations.seek(0)
         shutil.copyfileobj(annotations, images)

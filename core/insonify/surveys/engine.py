@@ -138,20 +138,19 @@ def _put(file: Path, final: Path) -> None:
         file.replace(final)
 
 
-def prepare_folder(folder: Path, names: Iterable[str], what: str) -> list[str]:
+def prepare_folder(folder: Path, names: Sequence[str], what: str) -> list[str]:
     """Make the folder of a work, or resume one that contains a part of it; return the jobs that are missing."""
-    wanted = list(names)
     if folder.exists() and not (folder / FLAGS).is_dir() and (not folder.is_dir() or any(folder.iterdir())):
         raise SceneError(f"-o {folder}: contains other files; give a new folder, or that of an earlier run")
     done = done_jobs(folder)
-    foreign = sorted(done.difference(wanted))
+    foreign = sorted(done.difference(names))
     if foreign:
         raise SceneError(
             f"-o {folder}: contains {len(foreign)} jobs of another {what}, or of another version of insonify, such as "
             f"{foreign[0]}; give a new folder, or the specification of the earlier run"
         )
     _clear_unfinished(folder)
-    return [name for name in wanted if name not in done]
+    return [name for name in names if name not in done]
 
 
 def _clear_unfinished(folder: Path) -> None:
@@ -304,8 +303,8 @@ class Ended(NamedTuple):
             )
 
 
-def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended | None:
-    """Do the jobs of a work that are not done yet, and show their progress; None after an interruption."""
+def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended:
+    """Do the jobs of a work that are not done yet, and show their progress; an interruption ends the program."""
     names = list(work.names())
     missing = prepare_folder(work.folder, names, what)
     if not missing:
@@ -326,7 +325,7 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
         sys.stderr.write(f"insonify: {sentence}\n")
         if isinstance(leaving, SystemExit):
             raise
-        return None
+        raise SystemExit(INTERRUPTED) from None
     finally:
         progress.close()
     failed = {failure.name for failure in failures}

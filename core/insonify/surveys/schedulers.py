@@ -41,7 +41,7 @@ class Workers:
         self._client, self._flags, self._scheduler = client, flags, scheduler
         self._builds: dict[str, Build | None] = {}
         self._expected = read_build(flags)
-        self._since, self._told = time.monotonic(), 0.0
+        self._since, self._reminded = time.monotonic(), 0.0
 
     def count(self) -> None:
         """Look who is there, and let those who are new state their build."""
@@ -71,9 +71,9 @@ class Workers:
         """Say that nobody works, after a while and then every minute."""
         now = time.monotonic()
         if self.threads:
-            self._since, self._told = now, 0.0
-        elif now - self._since > SILENCE and now - self._told > REMINDER:
-            self._told = now
+            self._since, self._reminded = now, 0.0
+        elif now - self._since > SILENCE and now - self._reminded > REMINDER:
+            self._reminded = now
             left = f"none of {present} workers suits the remaining jobs" if present else "no worker is connected"
             _say(f"--scheduler {self._scheduler}: {left}; start workers, or interrupt and resume later")
 
@@ -172,7 +172,7 @@ def _connect_to(protocol: str, rest: str) -> Iterator[Any]:
 
 
 def share_cores(text: str) -> tuple[int, int]:
-    """Return the number of workers and the threads of each, whose product is the number of usable cores."""
+    """Return the number of workers and the threads of each; their product is at most the number of usable cores."""
     cores = most_threads()
     if text and not (text.isdecimal() and int(text) > 0):
         raise SceneError(f"--scheduler local:{text}: {text!r} is not a number of workers; give a whole number from 1")
@@ -211,10 +211,7 @@ def _start_workers(text: str) -> Iterator[Any]:
         "distributed.scheduler.http.routes": [],
         "distributed.worker.http.routes": [],
     }
-    with ExitStack() as stack:
-        stack.enter_context(_safe_path())
-        stack.enter_context(dask.config.set(settings))
-        stack.enter_context(warnings.catch_warnings())
+    with _safe_path(), dask.config.set(settings), warnings.catch_warnings(), ExitStack() as stack:
         # Warnings of slow disks and busy ports need no action of the user.
         warnings.filterwarnings("ignore", module="distributed")
         warnings.filterwarnings("ignore", message="Creating scratch directories")  # of contextlib, by its level
@@ -225,10 +222,9 @@ def _start_workers(text: str) -> Iterator[Any]:
                 dashboard_address=UNSEEN,
                 scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL,
-                env={VARIABLE: str(threads), **dict.fromkeys(LIBRARIES, str(threads))},
+                env=dict.fromkeys((VARIABLE, *LIBRARIES), str(threads)),
             )
-            stack.enter_context(cluster)
-            client = stack.enter_context(Client(cluster, set_as_default=False))
+            client = stack.enter_context(Client(stack.enter_context(cluster), set_as_default=False))
         yield client
 
 

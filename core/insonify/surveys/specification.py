@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
-from insonify.files import bundled_meshes
+from insonify.files import bundled_meshes, bundled_specifications
 from insonify.io.file_access import FileFault, open_regular, read_named
 from insonify.scene import Scene, plain
 from insonify.scene.faults import describe_fault
@@ -19,8 +19,9 @@ from insonify.scene.files import LARGEST, changed_paths, scene_beside, with_path
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path], changes: Mapping[str, Any]) -> Model:
-    """Read a specification."""
+def read_specification(name: str, model: type[Model], folder: str, **changes: Any) -> Model:
+    """Read a specification: a file, or one that comes with the package, ``surveys`` or ``datasets``."""
+    bundled = bundled_specifications(folder)
     values = _read_values(name, Path(), bundled)
     try:
         return model.model_validate({**values, **changes})
@@ -52,10 +53,10 @@ def _read_values(
     return {**inherited, **joined}
 
 
-def contents_of(specification: BaseModel, base: Scene) -> list[Any]:
-    """List all that a survey or a data set depends on: specification, base scene, content of files, version."""
+def contents_of(specification: BaseModel, base: Scene, *without: str) -> list[Any]:
+    """List all that a survey or a data set depends on: specification (less some fields), base scene, files, version."""
     # Where the files are does not count, so that a folder of all of them can be moved.
-    values = specification.model_dump(mode="json", exclude={"base"})
+    values = specification.model_dump(mode="json", exclude={"base", *without})
     return [changed_paths(values, _content), changed_paths(plain(base), _content), version("insonify")]
 
 

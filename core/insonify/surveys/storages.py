@@ -27,8 +27,7 @@ class Tile:
 
     image: Pixels  # (pings, bins) grey levels
     mask: Bytes  # (pings, bins) class of every bin
-    # Description: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
-    told: dict[str, Any]
+    description: dict[str, Any]  # ``name``, ``split``, ``shape``, ``targets``, …; `StorageKind.write` adds ``file``
     # Suffix and content of files of annotations, by their folder beside that of the images.
     labels: dict[str, tuple[str, bytes]] = field(default_factory=dict)
 
@@ -41,7 +40,7 @@ class StorageKind(Kind):
 
     @abstractmethod
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
-        """Write the tiles of one job, and enter the file of each image into its description, as ``told["file"]``.
+        """Write the tiles of one job, and enter the file of each image into the tile's ``description["file"]``.
 
         Parameters
         ----------
@@ -66,12 +65,12 @@ class Files(StorageKind, kind="files", rank=10):
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/images/SHELF/NAME.png``, the same below ``masks``, and annotations beside."""
         for tile in tiles:
-            place = folder / tile.told["split"]
+            place = folder / tile.description["split"]
             for beside, (suffix, content) in _members(tile).items():
-                path = place / beside / shelf / f"{tile.told['name']}{suffix}"
+                path = place / beside / shelf / f"{tile.description['name']}{suffix}"
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(content)
-            tile.told["file"] = f"{tile.told['split']}/{IMAGES}/{shelf}/{tile.told['name']}.png"
+            tile.description["file"] = f"{tile.description['split']}/{IMAGES}/{shelf}/{tile.description['name']}.png"
 
     def read_image(self, folder: Path, file: str) -> Pixels:
         """Read a picture."""
@@ -86,18 +85,18 @@ class WebDataset(StorageKind, kind="webdataset", rank=20):
 
     def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
         """Write ``SPLIT/SHELF/JOB.tar``; without a time, so that the same tiles give the same bytes."""
-        path = folder / tiles[0].told["split"] / shelf / f"{job}.tar"
+        path = folder / tiles[0].description["split"] / shelf / f"{job}.tar"
         path.parent.mkdir(parents=True, exist_ok=True)
         with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
             for tile in tiles:
-                tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.told['name']}.png"
+                tile.description["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{tile.description['name']}.png"
                 members = {
                     f".mask{suffix}" if beside == MASKS else suffix: content
                     for beside, (suffix, content) in _members(tile).items()
                 }
                 # WebDataset groups members up to the first dot.
-                for ending, content in (members | {".json": json.dumps(tile.told).encode()}).items():
-                    entry = tarfile.TarInfo(tile.told["name"] + ending)
+                for ending, content in (members | {".json": json.dumps(tile.description).encode()}).items():
+                    entry = tarfile.TarInfo(tile.description["name"] + ending)
                     entry.size, entry.mode = len(content), 0o644
                     archive.addfile(entry, io.BytesIO(content))
 
@@ -120,9 +119,9 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
         """Write ``SPLIT/SHELF/JOB.zarr``: a chunk for each tile, all chunks of an array in one file."""
         import zarr
 
-        path = folder / tiles[0].told["split"] / shelf / f"{job}.zarr"
+        path = folder / tiles[0].description["split"] / shelf / f"{job}.zarr"
         shapes: Any = [list(tile.image.shape) for tile in tiles]
-        group = zarr.create_group(path, attributes={"names": [tile.told["name"] for tile in tiles]})
+        group = zarr.create_group(path, attributes={"names": [tile.description["name"] for tile in tiles]})
         for name, pixels in ((IMAGES, [tile.image for tile in tiles]), (MASKS, [tile.mask for tile in tiles])):
             array = np.zeros((len(tiles), *np.max(shapes, axis=0)), pixels[0].dtype)
             for place, (pings, bins) in enumerate(shapes):
@@ -130,7 +129,7 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
             chunks, attributes = (1, *array.shape[1:]), {"shapes": shapes}
             group.create_array(name, data=array, chunks=chunks, shards=array.shape, attributes=attributes)
         for place, tile in enumerate(tiles):
-            tile.told["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
+            tile.description["file"] = f"{path.relative_to(folder).as_posix()}{MARK}{place}"
 
     def read_image(self, folder: Path, file: str) -> Pixels:
         """Read an image from its store."""
@@ -144,18 +143,15 @@ class ZarrStore(StorageKind, kind="zarr", rank=30):
 
 
 def _members(tile: Tile) -> dict[str, tuple[str, bytes]]:
-    """Suffix and content of all files of a tile, by folder: image, mask, annotations."""
-    pictures = {IMAGES: tile.image, MASKS: tile.mask}
-    return {beside: (".png", _encode(pixels)) for beside, pixels in pictures.items()} | tile.labels
-
-
-def _encode(pixels: Pixels) -> bytes:
-    """Encode grey levels of 8 or 16 bits as PNG."""
+    """Suffix and content of all files of a tile, by folder: image and mask as PNG of 8 or 16 bits, annotations."""
     from PIL import Image
 
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(buffer, "png", compress_level=4)
-    return buffer.getvalue()
+    members = {}
+    for beside, pixels in ((IMAGES, tile.image), (MASKS, tile.mask)):
+        buffer = io.BytesIO()
+        Image.fromarray(pixels).save(buffer, "png", compress_level=4)
+        members[beside] = ".png", buffer.getvalue()
+    return members | tile.labels
 
 
 def _decode(source: Any) -> Pixels:

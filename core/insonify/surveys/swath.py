@@ -1,4 +1,4 @@
-"""Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
+"""Swath of a record on the map: lines of the pings, and their echoes at every ground range."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -43,7 +43,10 @@ class Swath(NamedTuple):
 
 
 class StoredSwaths(Iterable[Swath]):
-    """Swaths of records on one map, read in every pass; only the last record stays in memory."""
+    """Swaths of records on one map, read in every pass; only the last record stays in memory.
+
+    The map is as given by ``crs``, or else the UTM zone of the first record's first ping.
+    """
 
     def __init__(
         self, paths: Sequence[str], crs: str | None = None, altitude: str = ALTITUDES[0], frequency: float | None = None
@@ -51,8 +54,12 @@ class StoredSwaths(Iterable[Swath]):
         self._paths, self._altitude = paths, altitude
         self._read = lru_cache(maxsize=1)(partial(read_record, frequency=frequency))
         first = self._read(paths[0])
-        self._place = find_georeference(first.attrs)
-        self.crs = choose_map(paths[0], first, crs)
+        self._place, self.crs = find_georeference(first.attrs), crs or ""
+        if crs is not None and self._place is None:
+            raise SceneError(f"{paths[0]}: has no geographic position, so that --crs does not apply; leave it out")
+        if crs is None and self._place is not None and self._place.crs:
+            longitude, latitude = first["platform_longitude"].values[0], first["platform_latitude"].values[0]
+            self.crs = utm_zone(float(longitude), float(latitude))
 
     def __iter__(self) -> Iterator[Swath]:
         return (lay_swath(path, self._read(path), self.crs, self._altitude) for path in self._paths)
@@ -61,19 +68,6 @@ class StoredSwaths(Iterable[Swath]):
         """Map points of the scene of the first record to the map of the swaths, (n, 2)."""
         x, y = np.array(points, dtype=np.float64).T
         return put_on_map(self._paths[0], self._place, self.crs, x, y)
-
-
-def choose_map(name: str, record: Dataset, crs: str | None) -> str:
-    """Return the coordinate reference system of a mosaic: as given, else the UTM zone of a record's first ping."""
-    place = find_georeference(record.attrs)
-    if place is None or not place.crs:
-        if crs is not None and place is None:
-            raise SceneError(f"{name}: has no geographic position, so that --crs does not apply; leave it out")
-        return crs or ""
-    if crs is not None:
-        return crs
-    longitude, latitude = record["platform_longitude"].values[0], record["platform_latitude"].values[0]
-    return utm_zone(float(longitude), float(latitude))
 
 
 def lay_swath(name: str, record: Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:

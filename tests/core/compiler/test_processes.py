@@ -1,7 +1,6 @@
 """Kernels compiled by another process: the same results, nothing compiled here, and no harm where it is missing."""
 
 import threading
-from typing import Any
 
 import numba
 import numpy as np
@@ -43,22 +42,9 @@ def negate_all(values):
     negate(values)
 
 
-class Compiled(event.Listener):
-    """Collects the names of functions that this process compiles."""
-
-    def __init__(self) -> None:
-        self.names: list[str] = []
-
-    def on_start(self, event: Any) -> None:
-        self.names.append(event.data["dispatcher"].py_func.__name__)
-
-    def on_end(self, event: Any) -> None:
-        pass
-
-
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """Functions that this process compiles, beginning with an empty cache and unknown kernels, in a hostile folder.
+    """Names of the functions that this process compiles, without a cache or known kernels, in a hostile folder.
 
     The other process would end if it imported modules of that folder, and its kernels would be compiled here.
     """
@@ -74,9 +60,8 @@ def here(tmp_path, monkeypatch):
         for made in ("entry", "part", "machine_code", "_names"):
             monkeypatch.delitem(vars(one), made, raising=False)
     monkeypatch.setitem(vars(negate), "_names", {})
-    listener = Compiled()
-    with event.install_listener("numba:compile", listener):
-        yield listener.names
+    with event.install_recorder("numba:compile") as recorder:
+        yield lambda: [one.data["dispatcher"].py_func.__name__ for _, one in recorder.buffer if one.is_start]
     assert processes.elsewhere.process is None
 
 
@@ -84,7 +69,7 @@ def test_what_is_compiled_into_its_callers_alone_is_compiled_here_when_python_ca
     """No file would bring it from the other process."""
     with compiled_elsewhere():
         assert halve(3.0) == 1.5
-    assert here == ["halve"]
+    assert here() == ["halve"]
 
 
 def test_kernels_are_compiled_by_the_other_process_which_is_started_again_where_it_ended(here):
@@ -100,7 +85,7 @@ def test_kernels_are_compiled_by_the_other_process_which_is_started_again_where_
         first.stop()  # as it does for want of work
         relate_amplitudes(record, np.ones((1, 3)), np.zeros(1, dtype=np.int64))
         assert processes.elsewhere.process is not first
-        assert here == []
+        assert here() == []
         with pytest.raises(TypingError):  # as without the other process
             sum_squares(5)
     np.testing.assert_array_equal(values, -VALUES)
@@ -115,7 +100,7 @@ def test_what_is_on_disk_needs_no_process(here, monkeypatch):
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
         assert processes.elsewhere.process is None
-    assert here == ["sum_squares"]
+    assert here() == ["sum_squares"]
 
 
 def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(here, tmp_path, monkeypatch):
@@ -124,7 +109,7 @@ def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(here, tmp_path,
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
         assert processes.elsewhere.process is None
-    assert here == ["sum_squares"]
+    assert here() == ["sum_squares"]
 
 
 @pytest.mark.parametrize("code", ["", "def main(): import sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
@@ -134,7 +119,7 @@ def test_a_process_that_ends_early_is_done_without(code, here, tmp_path, monkeyp
     monkeypatch.setattr(processes, "WORKER", "ending_worker")
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
-    assert here == ["sum_squares"]
+    assert here() == ["sum_squares"]
 
 
 def test_a_thread_that_waits_is_told_when_the_block_ends(here, tmp_path, monkeypatch):
@@ -156,7 +141,7 @@ def test_a_thread_that_waits_is_told_when_the_block_ends(here, tmp_path, monkeyp
             thread.join(0.01)
     thread.join(60.0)
     assert ends == [CompilationStoppedError]
-    assert here == []
+    assert here() == []
 
 
 @pytest.fixture

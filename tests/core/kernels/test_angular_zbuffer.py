@@ -37,10 +37,9 @@ def line(start, end):
     return distance * abs(math.log(math.hypot(x1, z1) / math.hypot(x0, z0)))
 
 
-def mesh(*blocks):
-    corners = np.concatenate([block(size) + np.array(centre) for size, centre in blocks])
+def mesh(corners, closed=True):
     rows = np.zeros(len(corners), np.int64)
-    return build_mesh(corners, rows, rows)
+    return build_mesh(corners, rows, rows, np.full(len(corners), closed))
 
 
 def scene(heights=NO_BED, **options):
@@ -56,7 +55,9 @@ def test_a_cylinder_seen_end_on_turns_at_its_rim(level):
 
 
 def test_a_mast_that_runs_into_a_deck_is_heard_from_the_deck_on():
-    arrays = scene(mesh=mesh(((9.0, 4.0, 2.0), (0.0, 22.0, 5.0)), ((9.0, 0.2, 3.3), (0.0, 22.0, 6.35))))
+    deck = np.add(block((9.0, 4.0, 2.0)), (0.0, 22.0, 5.0))
+    mast = np.add(block((9.0, 0.2, 3.3)), (0.0, 22.0, 6.35))
+    arrays = scene(mesh=mesh(np.concatenate([deck, mast])))
     # The top of the mast hides all of the deck behind it.
     corners = [(20.0, 4.0), (20.0, 6.0), (21.9, 6.0), (21.9, 8.0), (22.1, 8.0)]
     assert lit(arrays) == pytest.approx(sum(map(line, corners, corners[1:])), rel=1e-4)
@@ -73,17 +74,12 @@ def test_two_balls_one_in_the_other_part_where_they_cross():
 def test_only_an_open_body_is_seen_from_behind():
     sides = block((9.0, 4.0, 2.0)) + np.array([0.0, 22.0, 1.0])
     towards = (sides[..., 1].max(axis=1) < 21.0) | (sides[..., 2].min(axis=1) > 1.0)  # the sonar
-
-    def seen(corners, closed):
-        rows = np.zeros(len(corners), np.int64)
-        return lit(scene(mesh=build_mesh(corners, rows, rows, np.full(len(corners), closed))))
-
     outside = line((20.0, 0.0), (20.0, 2.0)) + line((20.0, 2.0), (24.0, 2.0))
     inside = line((24.0, 0.0), (24.0, 2.0)) + line((20.0, 0.0), (24.0, 0.0))
-    assert seen(sides, True) == pytest.approx(outside, rel=1e-4)
-    assert seen(sides, False) == pytest.approx(outside, rel=1e-4)
-    assert seen(sides[~towards], False) == pytest.approx(inside, rel=1e-4)
-    assert seen(sides[~towards], True) == 0.0
+    assert lit(scene(mesh=mesh(sides))) == pytest.approx(outside, rel=1e-4)
+    assert lit(scene(mesh=mesh(sides, closed=False))) == pytest.approx(outside, rel=1e-4)
+    assert lit(scene(mesh=mesh(sides[~towards], closed=False))) == pytest.approx(inside, rel=1e-4)
+    assert lit(scene(mesh=mesh(sides[~towards]))) == 0.0
 
 
 @pytest.mark.parametrize("thick", [1e-3, 4.0])
@@ -94,8 +90,7 @@ def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
     corners = block((9.0, 2.0 * math.hypot(4.0, 1.0), thick)) - [0.0, 0.0, 0.5 * thick]
     c, s = math.cos(turn), math.sin(turn)
     corners = corners @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]) + top
-    rows = np.zeros(len(corners), np.int64)
-    arrays = scene(np.zeros((4, 4)), mesh=build_mesh(corners, rows, rows))
+    arrays = scene(np.zeros((4, 4)), mesh=mesh(corners))
     reach = arrays.bins * arrays.bin_length
     far = math.sqrt(reach**2 - HEIGHT**2)
     expected = line((0.0, 0.0), (22.0, 0.0)) + line((22.0, 0.0), (26.0, 1.0))
@@ -122,18 +117,12 @@ def test_directions_of_launch_angles_are_those_of_the_library_and_never_point_ba
     assert cosine.min() > 0.0
 
 
-EDGES = np.array([-0.9, -0.7, -0.6, -0.45, -0.4])
-NEARNESS = np.array([0.12, 0.1, 0.0, 0.09])  # of targets along the middle of each cell, per metre; one cell is empty
-
-
-def occlusion():
-    """Cells that each hold a target square to the middle of the cell, but one."""
-    middle = 0.5 * (EDGES[:-1] + EDGES[1:])
-    return Occlusion(EDGES, np.cos(EDGES), np.sin(EDGES), NEARNESS * np.cos(middle), NEARNESS * np.sin(middle))
-
-
 def test_what_is_hidden_has_no_visible_stretch():
-    cells, rng, hidden, behind = occlusion(), np.random.default_rng(3), 0, 0
+    edges = np.array([-0.9, -0.7, -0.6, -0.45, -0.4])
+    nearness = np.array([0.12, 0.1, 0.0, 0.09])  # of targets square to the middle of each cell, per metre; one is empty
+    middle = 0.5 * (edges[:-1] + edges[1:])
+    cells = Occlusion(edges, np.cos(edges), np.sin(edges), nearness * np.cos(middle), nearness * np.sin(middle))
+    rng, hidden, behind = np.random.default_rng(3), 0, 0
     for _ in range(4000):
         segment = SegmentLine(rng.uniform(-14.0, -2.0), rng.uniform(-0.2, 0.2))
         start = rng.uniform(1.0, 30.0)

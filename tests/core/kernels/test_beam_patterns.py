@@ -106,9 +106,7 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_level_bed_is_the_sum_over_it(case, law):
     pattern, (pitch, roll) = CASES[case]
-    arrays = arrays_of(
-        FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5
-    )  # fmt: skip
+    arrays = arrays_of(FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5)
     record = rays.trace(arrays, poses_of(1.0, 2.0, HEIGHT, 0.3, pitch, roll), rays=1 << 16)[0]
     truth = level_bed(arrays, 0.3, pitch, roll)
     # A hard edge of the vertical beam falls within a bin, which the sum resolves to an eighth.
@@ -190,12 +188,15 @@ def integrate_along(pattern, x, z, r, sector, room, many, single):
         single[i] = integrated_response(*parts, level * sector.s_low + tip, level * sector.s_high + tip, r[i])
 
 
+@kernel
+def weigh(pattern, x, z, r, sector, law, room, weights, each):
+    weigh_knots(x, z, r, sector, pattern, law, FINE_SINE, room, weights)
+    for i in range(x.size):
+        each[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law) if x[i] > 0.0 else 0.0
+
+
 def sample_room(knots):
     return SampleRoom(np.empty(knots + ROOM, np.int32), *np.empty((4, knots + ROOM)))
-
-
-def weigh(pattern, x, z, r, sector, law, weights, each):
-    weigh_with(pattern, x, z, r, sector, law, sample_room(x.size), weights, each)
 
 
 def sector_between(s_low, s_high, pitch, main):
@@ -257,7 +258,7 @@ def test_a_pattern_between_the_knots_where_it_is_read_is_that_of_each_knot(pitch
     for s_low, s_high in itertools.pairwise(math.sin(math.asin(squint) + k * main / 4.0) for k in range(-12, 13)):
         sector = sector_between(s_low, s_high, pitch, main)
         weights, each = np.empty(501), np.empty(501)
-        weigh(pattern, x, z, r, sector, law, weights, each)
+        weigh(pattern, x, z, r, sector, law, sample_room(501), weights, each)
         # A sector of the main lobe has a fourth of half its width, and about a fifth of the beam.
         of_axis = 0.25 * main * r if law == SONAR else 0.2
         off = np.abs((weights - each) / of_axis)[known]
@@ -301,8 +302,8 @@ def test_a_top_hat_of_two_columns_has_the_exact_weight_at_every_knot(pitch, squi
     for s_low, s_high in itertools.pairwise(math.sin(math.asin(squint) + 0.0035 * k) for k in range(-12, 13)):
         sector = sector_between(s_low, s_high, pitch, 0.014)
         found, expected = np.empty((2, 501))
-        weigh(two, x, z, r, sector, SONAR, found, np.empty(501))
-        weigh(many, x, z, r, sector, SONAR, np.empty(501), expected)
+        weigh(two, x, z, r, sector, SONAR, sample_room(501), found, np.empty(501))
+        weigh(many, x, z, r, sector, SONAR, sample_room(501), np.empty(501), expected)
         np.testing.assert_allclose(found[known], expected[known], rtol=1e-9, atol=1e-12)
         heard_of += np.count_nonzero(found[known])
     assert heard_of > 1000
@@ -314,10 +315,3 @@ def test_a_top_hat_is_packed_as_two_columns_and_an_array_as_many():
     _, array = make_pattern(edit(scene, {"sonar.beam": "array"}), 1500.0)
     assert fan.energy.shape == fan.integral.shape == (1, 2)
     assert array.integral.shape[1] > 2
-
-
-@kernel
-def weigh_with(pattern, x, z, r, sector, law, room, weights, each):
-    weigh_knots(x, z, r, sector, pattern, law, FINE_SINE, room, weights)
-    for i in range(x.size):
-        each[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law) if x[i] > 0.0 else 0.0

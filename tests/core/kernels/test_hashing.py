@@ -64,26 +64,15 @@ def test_gaussian_noise_has_unit_power_and_exponential_intensity():
     assert stats.kstest(np.angle(noise) / np.pi, "uniform", (-1, 2)).pvalue > 0.01
 
 
-STEPS = ("RELIEF_PART", "RELIEF_BAND")
-
-
-def named():
-    return {name: value for name, value in vars(streams).items() if name.isupper() and name not in STEPS}
-
-
-def test_no_stream_is_used_twice():
-    numbers = list(named().values())
+def test_no_two_purposes_share_a_stream():
+    steps = ("RELIEF_PART", "RELIEF_BAND")
+    numbers = [value for name, value in vars(streams).items() if name.isupper() and name not in steps]
     assert len(numbers) > 10
     assert len(set(numbers)) == len(numbers)
-
-
-def test_looks_reach_no_other_stream():
-    most = next(bound.le for bound in Rayleigh.model_fields["looks"].metadata if hasattr(bound, "le"))
-    assert not set(range(streams.SPECKLE + 1, streams.SPECKLE + most)) & set(named().values())
-
-
-def test_parts_and_bands_of_relief_reach_no_other_stream():
-    assert max(named().values()) < streams.RELIEF_BAND
+    looks = next(bound.le for bound in Rayleigh.model_fields["looks"].metadata if hasattr(bound, "le"))
+    assert not set(range(streams.SPECKLE + 1, streams.SPECKLE + looks)) & set(numbers)
+    # Parts and bands of relief begin beyond all other streams, and bands end before the next part.
+    assert max(numbers) < streams.RELIEF_BAND
     peaks = next(bound.max_length for bound in Fractal.model_fields["peaks"].metadata if hasattr(bound, "max_length"))
     bands = 2 * peaks  # every peak may be mirrored into the other quadrants
     # The last field of the last band may share the number of the next part, whose lattice has another spacing.

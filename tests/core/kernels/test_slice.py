@@ -33,14 +33,8 @@ def slice_of(bed, x, y, z, azimuth, reach=REACH, limits=LIMITS):
     profile = empty_profile(profile_capacity(reach, bed.spacing))
     count = cut(bed, limits, x, y, z, ex, ey, reach, profile)
     knots, segments = slice(count), slice(max(count - 1, 0))
-    return (
-        (ex, ey),
-        profile.x[knots].copy(),
-        profile.z[knots].copy(),
-        profile.slope[segments].astype(float),
-        profile.area[segments].astype(float),
-        profile.material[segments].copy(),
-    )
+    slope, area = (column[segments].astype(float) for column in (profile.slope, profile.area))
+    return (ex, ey), profile.x[knots], profile.z[knots], slope, area, profile.material[segments]
 
 
 azimuths = st.floats(-math.pi, math.pi) | st.sampled_from(AXES) | st.floats(1e-9, 1e-3)

@@ -79,10 +79,10 @@ def test_a_scene_is_sampled_as_declared():
         drawn = draw_scene(specification(negatives=0.0), BASE, number)
         scene, bin_length = drawn.scene, drawn.scene.sonar.range / 192
         assert 2.0 * scene.targets[0].outline.half[0] / bin_length == pytest.approx(
-            drawn.drawn["sampling.length"], 1e-6
+            drawn.draws.drawn["sampling.length"], 1e-6
         )
         step = scene.track.speed / scene.sonar.ping_rate
-        assert step / bin_length == pytest.approx(drawn.drawn["sampling.step"])
+        assert step / bin_length == pytest.approx(drawn.draws.drawn["sampling.step"])
         assert scene.altitude == pytest.approx(0.2 * scene.sonar.range)
         assert 750.0 * scene.sonar.pulse.duration == pytest.approx(1.5 * bin_length)
         half = math.radians(scene.sonar.beam.width)
@@ -104,13 +104,13 @@ def test_a_chip_shows_its_target_where_the_scene_has_it():
     wanted = specification(negatives=0.0, picture={"ground_range": True}, chips={"pixels": 64, "margin": 2.0})
     drawn = draw_scene(wanted, BASE, 1)
     tiles = list(cut_chips(drawn, simulate(drawn.scene, truth=True, tolerance=0.2), wanted))
-    assert [tile.told["class"] for tile in tiles] == ["wreck", "wreck", None, None]
+    assert [tile.description["class"] for tile in tiles] == ["wreck", "wreck", None, None]
     for tile in tiles[:2]:
         rows, columns = np.nonzero(tile.mask == FIRST_CLASS)
         assert abs(rows.mean() - 31.5) < 10.0
         assert abs(columns.mean() - 31.5) < 12.0
         assert (tile.mask == SHADOW).any()
-        x, y, wide, high = tile.told["targets"][0]["echo"]["box"]
+        x, y, wide, high = tile.description["targets"][0]["echo"]["box"]
         assert (x, y, x + wide, y + high) == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
         assert 16 < max(wide, high) < 52  # a window of twice its length
         bright = tile.image[tile.mask == FIRST_CLASS].mean()
@@ -124,14 +124,14 @@ def test_windows_about_the_extent_have_the_proportions_of_echo_and_shadow():
     drawn = draw_scene(wanted, BASE, 1)
     record = simulate(drawn.scene, truth=True, tolerance=0.2)
     shown, bed = cut_chips(drawn, record, wanted)
-    assert shown.image.shape == bed.image.shape == tuple(shown.told["shape"])
-    first, last, near, far = record["target_box"].values[0, 0 if drawn.views[0].port else 1]
+    assert shown.image.shape == bed.image.shape == tuple(shown.description["shape"])
+    first, last, near, far = record["target_box"].values[0, drawn.views[0].channel]
     step = drawn.scene.track.speed / drawn.scene.sonar.ping_rate
     size = np.array([(last + 1 - first) * step, (far + 1 - near) * drawn.scene.sonar.range / drawn.scene.sonar.bins])
     sides = (size + 0.25 * size.max()) / (2.0, 1.0)  # a border of one breadth; a pixel spans twice as much along
     assert max(shown.image.shape) == 64
     assert shown.image.shape == pytest.approx(64.0 * sides / sides.max(), abs=0.6)
-    x, y, wide, high = shown.told["targets"][0]["both"]["box"]
+    x, y, wide, high = shown.description["targets"][0]["both"]["box"]
     assert (high, wide) == pytest.approx(shown.image.shape * size / (size + 0.25 * size.max()), abs=1.5)
     assert (2 * x + wide, 2 * y + high) == pytest.approx(shown.image.shape[::-1], abs=3.0)
 
@@ -223,7 +223,8 @@ def test_a_specification_like_another_joins_its_tables(tmp_path, capsys):
     group = '[[targets]]\nname = "{}"\nof = ["drum"]\nweight = {}\n'
     text = 'like = "old.toml"\ngroups = "one"\nnegatives = 0.0\n[chips]\npixels = 32\n'
     (tmp_path / "new.toml").write_text(text + group.format("drum", 3.0) + group.format("barrel", 1.0))
-    old, new = (read_specification(f"{tmp_path}/{name}.toml", DatasetSpecification, {}, {}) for name in ("old", "new"))
+    paths = (str(tmp_path / name) for name in ("old.toml", "new.toml"))
+    old, new = (read_specification(path, DatasetSpecification, "datasets") for path in paths)
     assert (old.chips["pixels"], new.chips["pixels"], new.chips["margin"]) == (48, 32, 1.5)
     assert (new.classes, new.sampling, new.title) == (["drum", "barrel"], old.sampling, old.title)
     drawn = [list(draw_scene(new, BASE, number).classes.values()) for number in range(40)]

@@ -28,8 +28,7 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
-from insonify.surveys.storages import Tile, ZarrStore
-from own_things import forgetting
+from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
 BASE = load_scene("default")
@@ -61,19 +60,16 @@ def pixels(path):
 
 
 def decoded(segmentation):
-    """Mask of COCO's run lengths, the obvious way."""
-    flat, value = [], False
-    for length in segmentation["counts"]:
-        flat += [value] * length
-        value = not value
-    return np.array(flat).reshape(segmentation["size"], order="F")
+    """Mask of COCO's run lengths, of which every second one is of the region."""
+    lengths = segmentation["counts"]
+    return np.repeat(np.arange(len(lengths)) % 2 == 1, lengths).reshape(segmentation["size"], order="F")
 
 
 def test_a_scene_depends_on_its_number_and_no_value_on_another_field():
     one, more = data_set(), data_set(SET.replace("[set]\n", '[set]\n"sonar.frequency" = 3e5\n'))
     first = draw_scene(one, BASE, 3)
     assert first == draw_scene(one, BASE, 3)
-    assert first.drawn == draw_scene(more, BASE, 3).drawn
+    assert first.draws.drawn == draw_scene(more, BASE, 3).draws.drawn
     assert first.scene.seed != draw_scene(one, BASE, 4).scene.seed
     assert 5.0 <= first.scene.track.altitude <= 7.0
 
@@ -121,8 +117,8 @@ def test_run_lengths_give_the_region_back():
     assert describe_region(np.zeros((4, 4), bool)) is None
 
 
-def test_every_image_has_its_mask_and_its_labels(small):
-    lines = metadata(small)
+def test_every_image_has_its_mask_and_labels_and_one_split_that_of_its_scene(small):
+    lines, of_scene = metadata(small), {}
     assert len(lines) > 20
     for line in lines:
         path = small / line["file_name"]
@@ -131,6 +127,16 @@ def test_every_image_has_its_mask_and_its_labels(small):
         assert image.dtype == mask.dtype == np.uint8
         labels = (small / line["file_name"].replace("/images/", "/labels/")).with_suffix(".txt").read_text()
         assert len(labels.splitlines()) == len(line["targets"])
+        assert line["file_name"].startswith(f"{line['split']}/")
+        of_scene.setdefault(line["scene"], set()).add(line["split"])
+        assert line["hash"]
+        assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
+    assert all(len(splits) == 1 for splits in of_scene.values())
+    train, test = (
+        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
+        for split in ("train", "test")
+    )
+    assert train.isdisjoint(test)
 
 
 def test_annotations_are_those_of_the_simulation_by_truth(small):
@@ -151,7 +157,7 @@ def test_annotations_are_those_of_the_simulation_by_truth(small):
                 assert [first, first + height - 1, near, near + width - 1] == whole.tolist()
 
 
-def test_masks_and_coco_tell_the_same(small):
+def test_masks_yolo_and_coco_agree(small):
     coco = json.loads((small / "train" / "coco-echo.json").read_text())
     names = {category["id"]: category["name"] for category in coco["categories"]}
     assert list(names.values()) == ["drum", "rock"]
@@ -166,24 +172,6 @@ def test_masks_and_coco_tell_the_same(small):
     shadows = json.loads((small / "train" / "coco-shadow.json").read_text())["annotations"]
     dark = pixels(small / images[shadows[0]["image_id"]]["file_name"].replace("/images/", "/masks/"))
     assert (dark[decoded(shadows[0]["segmentation"])] >= SHADOW).all()
-
-
-def test_every_image_is_in_one_split_and_no_scene_in_two(small):
-    of_scene: dict[int, set[str]] = {}
-    for line in metadata(small):
-        assert line["file_name"].startswith(f"{line['split']}/")
-        of_scene.setdefault(line["scene"], set()).add(line["split"])
-        assert line["hash"]
-        assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
-    assert all(len(splits) == 1 for splits in of_scene.values())
-    train, test = (
-        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
-        for split in ("train", "test")
-    )
-    assert train.isdisjoint(test)
-
-
-def test_yolo_boxes_are_those_of_coco(small):
     coco = json.loads((small / "train" / "coco-both.json").read_text())
     image = next(one for one in coco["images"] if one["id"] == coco["annotations"][0]["image_id"])
     x, y, width, height = coco["annotations"][0]["bbox"]
@@ -193,12 +181,9 @@ def test_yolo_boxes_are_those_of_coco(small):
     assert "val: validation/images" in (small / "data.yaml").read_text()
 
 
-def test_pictures_of_the_whole_are_there(small):
+def test_pictures_a_datasheet_and_checksums_show_what_the_set_holds(small):
     for name in ("contact-sheet.png", "class-balance.png"):
         assert min(pixels(small / name).shape[:2]) > 200
-
-
-def test_a_datasheet_and_checksums_tell_what_the_set_holds(small):
     sheet, lines = (small / "datasheet.md").read_text(), metadata(small)
     assert f"{len(lines)} images of 8 scenes" in sheet
     train = [line for line in lines if line["split"] == "train"]
@@ -252,19 +237,12 @@ def test_an_archive_is_as_webdataset_reads_it(tmp_path):
     assert set(kinds) == {"png", "mask.png", "txt", "json"}
 
 
-def test_a_zarr_store_is_read_by_zarr_and_holds_tiles_of_unlike_shapes(tmp_path):
+def test_a_zarr_store_is_read_by_zarr(tmp_path):
     one = data_set(storage={"kind": "zarr", "scenes": 2}, images={"bits": 16})
     (path,) = first_job(one, tmp_path).rglob("*.zarr")
     group = zarr.open_group(path, mode="r")
     assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
     assert group["images"].dtype == np.uint16
-    store, tiles = ZarrStore(), []
-    for k, shape in enumerate(((16, 20), (24, 12))):
-        image, mask = np.full(shape, k + 1, np.uint8), np.zeros(shape, np.uint8)
-        tiles.append(Tile(image, mask, {"name": str(k), "split": "train"}))
-    store.write(tmp_path, "0", "0", tiles)
-    for tile in tiles:
-        np.testing.assert_array_equal(store.read_image(tmp_path, tile.told["file"]), tile.image)
 
 
 def test_grey_levels_are_decibels_about_the_median(tmp_path):
@@ -314,7 +292,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
     (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
     mesh = '{ kind = "mesh", path = "own.ply" }'
     text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', mesh)
-    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, {}, {})
+    one = read_specification(str(write_set(tmp_path, text)), DatasetSpecification, "datasets")
     base = load_scene(one.base)
     assert base == BASE
     shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
@@ -329,7 +307,7 @@ def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp
 
 @pytest.mark.parametrize("name", list(bundled_specifications("datasets")))
 def test_a_bundled_specification_makes_its_first_scenes(name):
-    one = read_specification(name, DatasetSpecification, bundled_specifications("datasets"), {})
+    one = read_specification(name, DatasetSpecification, "datasets")
     base = load_scene(one.base)
     for number in range(12):
         drawn = draw_scene(one, base, number)
@@ -399,14 +377,11 @@ def test_one_new_class_adds_a_distribution():
         assert distribution(draw="triangular").quantile(0.25) == 0.5
 
 
-def test_draws_are_independent_of_one_another_and_even():
+def test_draws_are_independent_of_one_another_even_and_recorded():
     shares = np.array([[hash_share(7, number, path) for number in range(4000)] for path in ("a", "b")])
     assert stats.kstest(shares[0], "uniform").pvalue > 0.01
     assert abs(np.corrcoef(shares)[0, 1]) < 0.05
     assert hash_share(7, 0, "a") == shares[0, 0] != hash_share(8, 0, "a")
-
-
-def test_what_is_drawn_is_recorded():
     draws = Draws(1, 0)
     value = draws.value("sonar.range", distribution(draw="uniform", low=10.0, high=20.0))
     assert draws.value("seed", 5) == 5

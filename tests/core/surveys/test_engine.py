@@ -44,13 +44,8 @@ def scheduler():
     """Address of a scheduler with two workers, as that of a cluster would be."""
     from distributed import LocalCluster
 
-    with LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        dashboard_address="localhost:0",
-        silence_logs=50,
-        worker_dashboard_address="localhost:0",
-    ) as cluster:
+    pages = dict.fromkeys(("dashboard_address", "worker_dashboard_address"), "localhost:0")
+    with LocalCluster(n_workers=2, threads_per_worker=1, silence_logs=50, **pages) as cluster:
         yield cluster.scheduler_address
 
 
@@ -185,23 +180,21 @@ def test_workers_of_another_build_get_no_jobs_and_are_named_once(tmp_path, capsy
     assert "newer gets no jobs: it does not state its version" in told[3]
 
 
-def test_what_is_begun_is_gone_on_with_by_workers_alike_alone(tmp_path, capsys):
+def test_the_first_of_two_drivers_sets_the_build_and_workers_alike_alone_go_on(tmp_path, capsys):
     Workers(Cluster(one=stated(processor="generic-0")), tmp_path, "tcp://host:1").count()
     assert read_build(tmp_path) == own_build()._replace(processor="generic-0")
     later = Workers(Cluster(one=stated()), tmp_path, "tcp://host:1")
     later.count()
     assert later.threads == {}
     assert "instead of generic-0" in capsys.readouterr().err
-
-
-def test_of_two_drivers_at_once_the_first_sets_the_build(tmp_path, capsys):
-    one = Workers(Cluster(one=stated()), tmp_path, "tcp://host:1")
-    other = Workers(Cluster(one=stated(processor="generic-0")), tmp_path, "tcp://host:2")
+    (folder := tmp_path / "at once").mkdir()
+    one = Workers(Cluster(one=stated()), folder, "tcp://host:1")
+    other = Workers(Cluster(one=stated(processor="generic-0")), folder, "tcp://host:2")
     for workers in (one, other):
         workers.count()
     assert (one.threads, other.threads) == ({"one": 1}, {})
     assert "processor generic-0 instead of" in capsys.readouterr().err
-    assert [file.name for file in tmp_path.iterdir()] == ["build.json"]
+    assert [file.name for file in folder.iterdir()] == ["build.json"]
 
 
 def test_nobody_left_to_work_is_said_after_ten_seconds_and_every_minute(tmp_path, capsys, monkeypatch):

@@ -83,29 +83,32 @@ def test_every_line_without_turns_begins_with_a_ping():
     np.testing.assert_allclose(found, [[0.0, 3.0], [0.0, 90.0]], atol=1e-9)
 
 
-def test_records_are_those_of_one_scene(small):
+def test_records_are_those_of_one_scene_and_have_unlike_speckle(small):
     work = SurveyWork(SurveySpecification.model_validate(tomllib.loads(SURVEY)), BASE, small).begun()
-    simulation = prepare(work.scene, plan=work.plan)
+    simulation, records = prepare(work.scene, plan=work.plan), []
     for number, pings in enumerate(work.track.pings):
         record = read_record(str(small / "records" / f"line-{number + 1:04d}.nc"))
+        records.append(record["intensity"].values)
         np.testing.assert_array_equal(record["intensity"].values.swapaxes(0, 1), simulation.intensity(np.array(pings)))
         line = work.lines[number]
         np.testing.assert_allclose([record["platform_x"][0], record["platform_y"][0]], line.start, atol=1e-6)
         assert abs(float(record["platform_x"][-1]) - line.end[0]) <= 0.4
-
-
-def test_no_two_lines_have_the_same_speckle(small):
-    records = [read_record(str(path))["intensity"].values for path in sorted(small.glob("records/*.nc"))]
     assert abs(np.corrcoef(records[0][:, :50].ravel(), records[2][:, :50].ravel())[0, 1]) < 0.9
     assert not np.array_equal(records[0], records[2])
 
 
-def test_mosaic_and_coverage_lie_on_one_grid(small):
+def test_mosaic_and_coverage_lie_on_one_grid_and_the_page_that_shows_them_needs_no_other_file(small):
     with rasterio.open(small / "mosaic.tif") as mosaic, rasterio.open(small / "coverage.tif") as coverage:
         assert mosaic.transform == coverage.transform
         level, count = mosaic.read(1), coverage.read(1)
     assert ((count > 0) == np.isfinite(level)).all()
     assert count.max() == 3
+    page = (small / "index.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert "3 of 3 lines" in page
+    assert "100.0 % of 720 m² are shown at least once" in page
+    assert set(re.findall(r"href='([^']+)'", page)) == {f"records/line-{number:04d}.nc" for number in (1, 2, 3)}
+    assert not re.search("<link|<script", page)
 
 
 def test_coverage_is_that_of_the_area():
@@ -117,15 +120,6 @@ def test_coverage_is_that_of_the_area():
     assert measure_coverage(mosaic, whole) == (200.0, 0.5, 0.125)
     assert measure_coverage(mosaic, 2.0 * whole).once == 0.125  # what lies beyond the mosaic is not shown
     assert measure_coverage(mosaic, None) == (100.0, 1.0, 0.25)
-
-
-def test_the_page_needs_no_other_file(small):
-    page = (small / "index.html").read_text()
-    assert page.count("data:image/png;base64,") == 2
-    assert "3 of 3 lines" in page
-    assert "100.0 % of 720 m² are shown at least once" in page
-    assert set(re.findall(r"href='([^']+)'", page)) == {f"records/line-{number:04d}.nc" for number in (1, 2, 3)}
-    assert not re.search("<link|<script", page)
 
 
 def first_job(folder, values):
@@ -197,7 +191,7 @@ def test_a_mistake_in_a_specification_is_told_in_a_sentence(tmp_path, capsys, ch
 
 @pytest.mark.parametrize("name", list(bundled_specifications("surveys")))
 def test_a_bundled_survey_can_be_planned(name, tmp_path):
-    one = read_specification(name, SurveySpecification, bundled_specifications("surveys"), {})
+    one = read_specification(name, SurveySpecification, "surveys")
     work = SurveyWork(one, load_scene(one.base), tmp_path).begun()
     assert work.plan is not None
     assert prepare(work.scene, plan=work.plan).plan == work.plan

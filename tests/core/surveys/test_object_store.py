@@ -50,14 +50,14 @@ def test_a_set_in_a_store_has_the_bytes_of_one_on_a_disk(store, tmp_path):
 
 
 @pytest.mark.parametrize("storage", [WebDataset(), ZarrStore()], ids=lambda storage: storage.kind)
-def test_images_are_read_back_from_archives_and_stores(storage, store, tmp_path):
-    images = [np.arange(12 * 9, dtype=np.uint8).reshape(12, 9) + shift for shift in range(3)]
+def test_images_of_unlike_shapes_are_read_back_from_archives_and_stores(storage, store, tmp_path):
+    images = [np.arange(108, dtype=np.uint8).reshape(shape) for shape in ((12, 9), (9, 12), (6, 18))]
     tiles = [Tile(each, each, {"name": f"t{number}", "split": "train"}) for number, each in enumerate(images)]
     storage.write(tmp_path, "0000000", "0000", tiles)
     store.put(f"{tmp_path}/train", f"sets/{storage.kind}/train", recursive=True)
     folder = folder_at(f"s3://sets/{storage.kind}")
     for tile, image in zip(tiles, images):
-        np.testing.assert_array_equal(storage.read_image(folder, tile.told["file"]), image)
+        np.testing.assert_array_equal(storage.read_image(folder, tile.description["file"]), image)
 
 
 def test_what_a_store_cannot_do_is_one_sentence(store, tmp_path, capsys):

@@ -134,8 +134,8 @@ def _words(direct: int, ghosts: int) -> str:
     """Sentence with the number of pixels that receive echoes of a place."""
     if not direct + ghosts:
         return "no pixel of the record receives an echo from this place: it is hidden or outside the beam"
-    told = f"{direct} {'pixel receives' if direct == 1 else 'pixels receive'} a direct echo from this place"
-    return told + (f", and {ghosts} an echo by way of the sea surface" if ghosts else "")
+    words = f"{direct} {'pixel receives' if direct == 1 else 'pixels receive'} a direct echo from this place"
+    return words + (f", and {ghosts} an echo by way of the sea surface" if ghosts else "")
 
 
 def _compile(simulation: Simulation) -> None:

@@ -194,17 +194,13 @@ def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:
     if suffix not in SUFFIXES:
         raise SceneError(f"output: {Path(path).name!r} has no known suffix; end the name in .png or .csv")
     with replacing(path) as partial:
-        if suffix == ".csv":
-            _write_table(partial, diagram)
-        else:
+        if suffix == ".png":
             draw_ray_diagram(diagram).savefig(partial, format="png", dpi=150)
-
-
-def _write_table(path: Path, diagram: RayDiagram) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(COLUMNS)
-        for kind, rays in (("ray", diagram.rays), ("eigenray", diagram.eigenrays)):
-            for number, ray in enumerate(rays):
-                for point in zip(ray.range, ray.depth, ray.time):
-                    table.writerow([kind, number, f"{ray.angle:.9g}", *(f"{value:.9g}" for value in point)])
+            return
+        with partial.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            table.writerow(COLUMNS)
+            for kind, rays in (("ray", diagram.rays), ("eigenray", diagram.eigenrays)):
+                for number, ray in enumerate(rays):
+                    for point in zip(ray.range, ray.depth, ray.time):
+                        table.writerow([kind, number, f"{ray.angle:.9g}", *(f"{value:.9g}" for value in point)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,7 +48,8 @@ def trace_ray_diagram(
         )
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
     limits = RayLimits(reach, 0.0, bottom, False, False)
-    fan = trace_fan(water, bottom - depth, limits, columns)
+    ranges = np.linspace(0.0, reach, columns)
+    fan = _trace_fan(water, bottom - depth, limits, ranges)
     # Round launch angles, 0 included, at most `MOST_RAYS`.
     steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
     step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
@@ -62,9 +62,9 @@ def trace_ray_diagram(
         bottom=bottom,
         reach=reach,
         rays=_paths(water, bottom, depth, angles, limits),
-        shadow=~fan.lit[::-1],
-        dark=fan.dark,
-        caustics=_caustics(fan, bottom),
+        shadow=~_lit(fan, limits)[::-1],
+        dark=_dark(fan, reach),
+        caustics=_caustics(fan, ranges, bottom),
         target=target,
         eigenrays=() if target is None else _eigenrays(water, bottom, depth, target),
         limits=tuple(scene.describe_limits()),
@@ -98,7 +98,7 @@ def _eigenrays(water: Water, bottom: float, depth: float, target: tuple[float, f
     return tuple(found[::-1])
 
 
-def _caustics(fan: RayFan, bottom: float) -> Floats:
+def _caustics(fan: _Rays, ranges: Floats, bottom: float) -> Floats:
     """Points at which the tube of a ray changes sign between two points of the ray."""
     with np.errstate(invalid="ignore"):
         closes = fan.tube[:, 1:-1] * fan.tube[:, 2:] < 0.0
@@ -106,28 +106,25 @@ def _caustics(fan: RayFan, bottom: float) -> Floats:
     before, after = fan.tube[ray, column + 1], fan.tube[ray, column + 2]
     share = before / (before - after)
     low, high = fan.height[ray, column + 1], fan.height[ray, column + 2]
-    x = fan.ranges[column + 1] + share * (fan.ranges[column + 2] - fan.ranges[column + 1])
+    x = ranges[column + 1] + share * (ranges[column + 2] - ranges[column + 1])
     return np.column_stack([x, bottom - (low + share * (high - low))])
 
 
-@dataclass(frozen=True, eq=False)
-class RayFan:
-    """Heights and tubes of a fan of rays by launch angle and range, and the cells that it reaches."""
+class _Rays(NamedTuple):
+    """Heights and tubes of a fan of rays by launch angle and range, NaN after the end of each ray."""
 
-    ranges: Floats  # (m,) metres
-    height: Floats  # (n, m) height of each ray in metres and its tube q in m/rad, NaN after its end
-    tube: Floats
-    lit: Booleans  # (cells, m) where there is a ray or one between two of them, lowest cell first
-    dark: Floats  # (k, 2) beginning and end of the ranges at which no ray meets the bed, in metres
+    angle: Floats  # (n,) of launch, rad
+    height: Floats  # (n, m) in metres
+    tube: Floats  # (n, m) q in m/rad
+    last: Floats  # (n,) range at which it ends, m
+    end: Integers  # (n,)
 
 
-def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> RayFan:
-    """Trace a fan of rays in all directions, refined where neighbours diverge."""
-    ranges = np.linspace(0.0, limits.x, columns)
-    cell = (limits.high - limits.low) / CELLS
+def _trace_fan(water: Water, height: float, limits: RayLimits, ranges: Floats) -> _Rays:
+    """Trace a fan of rays in all directions, by launch angle, refined where neighbours diverge."""
     places = np.linspace(-1.0, 1.0, FIRST)
     rays = _trace(water, height, 0.4999 * math.pi * places * np.abs(places), ranges, limits)
-    kept, count = [rays], FIRST
+    kept, count, cell = [rays], FIRST, (limits.high - limits.low) / CELLS
     first, last = _taken(rays, slice(None, -1)), _taken(rays, slice(1, None))
     for _ in range(ROUNDS):
         # Neighbours that diverge by more than some cells or end differently.
@@ -142,18 +139,7 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
         kept.append(middle)
         first, last = _joined([first, middle]), _joined([middle, last])
     rays = _joined(kept)
-    rays = _taken(rays, np.argsort(rays.angle, kind="stable"))
-    return RayFan(ranges, rays.height, rays.tube, _lit(rays, limits, cell), _dark(rays, limits.x))
-
-
-class _Rays(NamedTuple):
-    """Rays of a fan with their ends."""
-
-    angle: Floats  # (n,) of launch, rad
-    height: Floats  # (n, m)
-    tube: Floats  # (n, m)
-    last: Floats  # (n,) range at which it ends, m
-    end: Integers  # (n,)
+    return _taken(rays, np.argsort(rays.angle, kind="stable"))
 
 
 def _trace(water: Water, height: float, angles: Floats, ranges: Floats, limits: RayLimits) -> _Rays:
@@ -185,9 +171,9 @@ def _dark(rays: _Rays, reach: float) -> Floats:
     return np.column_stack([reached[gaps], begins[gaps]])
 
 
-def _lit(rays: _Rays, limits: RayLimits, cell: float) -> Booleans:
-    """Fill the cells between neighbours; two that end on the bed or at the surface enclose the cells up to it."""
-    height, ends = rays.height, rays.end
+def _lit(rays: _Rays, limits: RayLimits) -> Booleans:
+    """Cells between neighbours, lowest first; two that end on the bed or at the surface enclose the cells up to it."""
+    height, ends, cell = rays.height, rays.end, (limits.high - limits.low) / CELLS
     first, last = height[:-1], height[1:]
     for code, level in ((ON_BED, limits.low), (AT_SURFACE, limits.high)):
         both = ((ends[:-1] == code) & (ends[1:] == code))[:, None]

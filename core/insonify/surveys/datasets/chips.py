@@ -29,37 +29,27 @@ def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecific
     nothing = np.zeros((amplitude.shape[1:]), np.uint8)
     sides = [take_side(drawn, record, nothing, channel, specification.classes) for channel in range(len(CHANNELS))]
     for number, view in enumerate(drawn.views):
-        extent = next((one.box for one in sides[_channel(view)].targets if one.number == view.target), None)
-        for place in (view, view._replace(target=None, port=not view.port)):
-            channel = _channel(place)
+        extent = next((one.box for one in sides[view.channel].targets if one.number == view.target), None)
+        for place in (view, view._replace(target=None, channel=1 - view.channel)):
+            side = CHANNELS[place.channel]
             for copy in range(specification.chips_each):
-                path = f"{number}.{CHANNELS[channel]}.{copy}"
+                path = f"{number}.{side}.{copy}"
                 chip = drawn.draws.table(Chips, f"chips.{path}", specification.chips or {})
                 picture = drawn.draws.table(Picture, f"picture.{path}", specification.picture)
                 edges = _edges(drawn, place, amplitude.shape[1:], chip, picture, extent)
-                tile = _cut(drawn, place, sides[channel], (amplitude[channel], curve), edges, chip, picture)
-                shown = [found["target"] for found in tile.told["targets"]]
+                tile = _cut(sides[place.channel], (amplitude[place.channel], curve), edges, chip, picture)
+                shown = [found["target"] for found in tile.description["targets"]]
                 if place.target in shown or (place.target is None and not shown):
                     shows = None if place.target is None else drawn.classes.get(place.target)
                     name = f"{drawn.number:07d}-{path.replace('.', '-')}"
-                    told = {"name": name, "split": drawn.split, "class": shows, **tile.told}
-                    yield Tile(tile.image, tile.mask, told)
-
-
-def _channel(view: View) -> int:
-    return CHANNELS.index("port" if view.port else "starboard")
+                    drawing = {"name": name, "split": drawn.split, "class": shows, "scene": drawn.number, "side": side}
+                    yield Tile(tile.image, tile.mask, drawing | tile.description)
 
 
 def _cut(
-    drawn: DrawnScene,
-    view: View,
-    side: RecordSide,
-    echoes: tuple[Floats, Floats],
-    edges: tuple[Floats, Floats],
-    chip: Chips,
-    picture: Picture,
+    side: RecordSide, echoes: tuple[Floats, Floats], edges: tuple[Floats, Floats], chip: Chips, picture: Picture
 ) -> Tile:
-    """Cut one chip and describe it."""
+    """Cut one chip and describe what it shows."""
     (amplitude, curve), (rows, columns) = echoes, edges
     # Sums up to the ends of the window are those of the whole record, bit by bit.
     reached = tuple(slice(math.ceil(edge[-1]) + PAST) for edge in edges)
@@ -76,15 +66,13 @@ def _cut(
     pixel = (rows[-1] - rows[0]) * (columns[-1] - columns[0]) / (high * wide)
     whole = [found._replace(box=(0, high, 0, wide), area=max(round(found.area / pixel), 1)) for found in side.targets]
     cut = RecordSide(layers[0], layers[1], layers[2], layers[3], whole)
-    told = {
-        "scene": drawn.number,
-        "side": CHANNELS[_channel(view)],
+    description = {
         "first_ping": int(rows[0]),
         "first_bin": int(columns[0]),
         "shape": [high, wide],
         "targets": list(targets_within(cut, 0, 0, Tiles(pings=high, bins=wide, least=chip.least))),
     }
-    return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), told)
+    return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), description)
 
 
 def _edges(

@@ -98,17 +98,12 @@ def write_datasheet(path: Path, specification: DatasetSpecification, folder: Pat
 
 def _table(specification: DatasetSpecification, totals: Totals) -> list[str]:
     """Rows of the table of splits."""
-    heads: Sequence[str] = ("split", "images", "without a target", *specification.classes)
-    rows = [
-        (
-            split,
-            totals.tiles[split],
-            totals.empty[split],
-            *(totals.targets[name, split] for name in specification.classes),
-        )
-        for split in specification.splits
-    ]
-    return [f"| {' | '.join(map(str, row))} |" for row in (heads, ("---",) * len(heads), *rows)]
+    classes = specification.classes
+    rows: list[Sequence[object]] = [("split", "images", "without a target", *classes), ("---",) * (3 + len(classes))]
+    for split in specification.splits:
+        targets = (totals.targets[name, split] for name in classes)
+        rows.append((split, totals.tiles[split], totals.empty[split], *targets))
+    return [f"| {' | '.join(map(str, row))} |" for row in rows]
 
 
 def write_checksums(path: Path, folder: Path, files: Iterable[str]) -> None:

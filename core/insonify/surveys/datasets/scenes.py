@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from insonify.errors import located
-from insonify.scene import Scene, SceneError, edit, plain, scene_to_toml
+from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
@@ -39,7 +39,7 @@ class Draws:
     _seed: int
     _number: int
     _share_of_values: float | None = None  # that takes the place of those drawn for values
-    drawn: dict[str, Any] = field(default_factory=dict)
+    drawn: dict[str, Any] = field(default_factory=dict)  # every value that was drawn, by its path
 
     def share(self, path: str) -> float:
         """Draw a number inside (0, 1) that is not recorded."""
@@ -66,8 +66,8 @@ class Draws:
 
     def seed(self, path: str) -> int:
         """Draw the seed of a scene's random numbers."""
-        self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
-        return int(self.drawn[path])
+        seed = self.drawn[path] = int(self.share(path) * 2**SEED_BITS)
+        return seed
 
 
 class View(NamedTuple):
@@ -75,7 +75,7 @@ class View(NamedTuple):
 
     target: int | None  # index in the scene; None of a target that was left out
     along: float  # share of the tow
-    port: bool  # whether it lies to port
+    channel: int  # side of the record, 0 to port and 1 to starboard
     ground_range: float  # m
     length: float  # m, of the target
 
@@ -89,16 +89,6 @@ class DrawnScene(NamedTuple):
     classes: dict[int, str]  # class of each drawn target by its index in the scene
     draws: Draws  # by which it was drawn
     views: tuple[View, ...] = ()  # of the targets
-
-    @property
-    def drawn(self) -> dict[str, Any]:
-        """Every value that was drawn, by its path."""
-        return self.draws.drawn
-
-    @property
-    def digest(self) -> str:
-        """Hash of the scene."""
-        return hashlib.sha256(scene_to_toml(self.scene).encode()).hexdigest()[:16]
 
 
 def split_of(splits: Mapping[str, float], number: int) -> str:
@@ -116,14 +106,12 @@ def check_draws(specification: DatasetSpecification, base: Scene) -> None:
 
     A scene that only some of the values make impossible is left to its job.
     """
-    tables = {"": specification.set, **{f"targets.{group.name}.": group.set for group in specification.targets}}
-    for prefix, table in tables.items():
-        for path, declared in table.items():
-            place = f"targets.0.{path}" if prefix else path
-            strange = next((name for name in _paths(place, declared) if not is_field(Scene, name)), None)
-            if strange is not None:
-                told = strange.replace("targets.0.", prefix, 1) if prefix else strange
-                raise SceneError(f"set: {told} is not a field of a scene; correct its name")
+    groups = [("targets.0.", f"targets.{group.name}.", group.set) for group in specification.targets]
+    for place, written, table in [("", "", specification.set), *groups]:
+        names = (name for path, declared in table.items() for name in _paths(path, declared))
+        strange = next((name for name in names if not is_field(Scene, f"{place}{name}")), None)
+        if strange is not None:
+            raise SceneError(f"set: {written}{strange} is not a field of a scene; correct its name")
     faults = []
     # The first scene without targets of a class, 0 if there is none among the first hundred.
     shares = (hash_share(specification.seed, number, "negatives") for number in range(100))
@@ -244,9 +232,11 @@ def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], dra
     """Places of targets on the bed, clear of one another."""
     taken: list[_Placed] = []
     for one, radius in zip(wanted, radii):
-        tries = (_place(scene, one, f"{one.path}.{attempt}", draws) for attempt in range(ATTEMPTS))
-        placed = next((placed for placed in tries if _is_clear(placed[0], radius, taken, radii)), None)
-        if placed is None:
+        for attempt in range(ATTEMPTS):
+            placed = _place(scene, one, f"{one.path}.{attempt}", draws)
+            if all(math.dist(placed[0], other) > radius + beside for (other, _), beside in zip(taken, radii)):
+                break
+        else:
             raise SceneError(
                 f"targets.{one.group.name}: {len(wanted)} targets do not fit side by side; lower count, or "
                 "widen along and ground_range"
@@ -254,11 +244,6 @@ def _places(scene: Scene, wanted: Sequence[_Wanted], radii: Sequence[float], dra
         draws.drawn[f"{one.path}.position"] = placed[0]
         taken.append(placed)
     return taken
-
-
-def _is_clear(place: list[float], radius: float, taken: Sequence[_Placed], radii: Sequence[float]) -> bool:
-    """Whether a target of some radius touches none of those that have their places."""
-    return all(math.dist(place, other) > radius + beside for (other, _), beside in zip(taken, radii))
 
 
 def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> _Placed:
@@ -270,7 +255,7 @@ def _place(scene: Scene, wanted: _Wanted, path: str, draws: Draws) -> _Placed:
     line = tow_line_at(scene, np.array([along * (scene.track.pings - 1)]))
     x, y, heading = (float(column[0]) for column in line)
     place = x - side * across * math.sin(heading), y + side * across * math.cos(heading)
-    return [round(coordinate, DIGITS) for coordinate in place], View(None, along, side > 0.0, across, 0.0)
+    return [round(coordinate, DIGITS) for coordinate in place], View(None, along, int(side < 0.0), across, 0.0)
 
 
 def _quantile(declared: Any, share: float) -> Any:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
@@ -168,16 +169,12 @@ class Picture(Declaration):
     lines: int = parameter(0, "number of scale lines, with a caption", ge=0, le=8)
 
 
-def check_draws(model: type[Declaration]) -> AfterValidator:
+def _check_draws(model: type[Declaration], table: dict[str, Any] | None) -> dict[str, Any] | None:
     """Check that a table of draws names fields of a declaration."""
-
-    def check(table: dict[str, Any] | None) -> dict[str, Any] | None:
-        strange = next((name for name in table or () if name not in model.model_fields), None)
-        if strange is not None:
-            raise ValueError(f"{strange}: no such field; choose from {', '.join(model.model_fields)}")
-        return table
-
-    return AfterValidator(check)
+    strange = next((name for name in table or () if name not in model.model_fields), None)
+    if strange is not None:
+        raise ValueError(f"{strange}: no such field; choose from {', '.join(model.model_fields)}")
+    return table
 
 
 class DatasetSpecification(Declaration):
@@ -193,14 +190,14 @@ class DatasetSpecification(Declaration):
     groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")
     tolerance: float = parameter(0.03, "accepted relative error of a record", gt=0.0, le=1.0)
     negatives: float = parameter(0.2, "share of the scenes without targets of these groups", ge=0.0, le=1.0)
-    sampling: Annotated[dict[str, Drawn] | None, check_draws(Sampling)] = parameter(
+    sampling: Annotated[dict[str, Drawn] | None, AfterValidator(partial(_check_draws, Sampling))] = parameter(
         None, "distributions of the fields of `Sampling`, which set how finely a target is sampled"
     )
-    chips: Annotated[dict[str, Drawn] | None, check_draws(Chips)] = parameter(
+    chips: Annotated[dict[str, Drawn] | None, AfterValidator(partial(_check_draws, Chips))] = parameter(
         None, "distributions of the fields of `Chips`, which cut windows about targets in place of tiles"
     )
     chips_each: int = parameter(1, "number of chips of each target and of the bed, each with new draws", ge=1, le=1000)
-    picture: Annotated[dict[str, Drawn], check_draws(Picture)] = parameter(
+    picture: Annotated[dict[str, Drawn], AfterValidator(partial(_check_draws, Picture))] = parameter(
         {}, "distributions of the fields of `Picture`, which set how chips are displayed"
     )
     tiles: Tiles = parameter(Tiles, "how records are cut")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,9 +70,20 @@ def cut_tiles(
     grey = grey_levels(record, images)
     for channel, side in enumerate(CHANNELS):
         whole = take_side(drawn, record, grey[channel], channel, classes)
-        for ping in starts(pings, tiles.pings, tiles.overlap):
-            for first in starts(bins, tiles.bins, tiles.overlap):
-                yield _cut(drawn, whole, (side, ping, first), tiles)
+        corners = product(starts(pings, tiles.pings, tiles.overlap), starts(bins, tiles.bins, tiles.overlap))
+        for ping, first in corners:
+            window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
+            description = {
+                "name": f"{drawn.number:07d}-{side}-{ping}-{first}",
+                "split": drawn.split,
+                "scene": drawn.number,
+                "side": side,
+                "first_ping": ping,
+                "first_bin": first,
+                "shape": [tiles.pings, tiles.bins],
+                "targets": list(targets_within(whole, ping, first, tiles)),
+            }
+            yield Tile(whole.image[window], whole.mask[window], description)
 
 
 def take_side(
@@ -112,23 +124,6 @@ def _find_targets(drawn: DrawnScene, record: Dataset, channel: int, side: Record
             "target_strength": round(strength, 3) if np.isfinite(strength) else None,
         }
         yield TargetShown(target, (first, last + 1, near, far + 1), area, description)
-
-
-def _cut(drawn: DrawnScene, side: RecordSide, place: tuple[str, int, int], tiles: Tiles) -> Tile:
-    """Cut one tile, and describe it."""
-    channel, ping, first = place
-    window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
-    told = {
-        "name": f"{drawn.number:07d}-{channel}-{ping}-{first}",
-        "split": drawn.split,
-        "scene": drawn.number,
-        "side": channel,
-        "first_ping": ping,
-        "first_bin": first,
-        "shape": [tiles.pings, tiles.bins],
-        "targets": list(targets_within(side, ping, first, tiles)),
-    }
-    return Tile(side.image[window], side.mask[window], told)
 
 
 def targets_within(side: RecordSide, ping: int, first: int, tiles: Tiles) -> Iterator[dict[str, Any]]:

@@ -1,5 +1,6 @@
 """Work of a data set: each job draws some scenes, simulates them, and stores the tiles of their records."""
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +18,6 @@ from insonify.surveys.specification import contents_of
 from insonify.surveys.storages import Tile
 
 WARMING = 4  # pings of a scene that compiles the kernels
-GROWS = "scenes"  # field on which no scene depends: a data set may grow
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class DatasetWork:
     @cached_property
     def digest(self) -> str:
         """Hash of all that every job depends on."""
-        values, *others = contents_of(self.specification, self.base)
-        return digest_of({name: value for name, value in values.items() if name != GROWS}, *others)
+        # A data set may grow: no scene depends on their number.
+        return digest_of(*contents_of(self.specification, self.base, "scenes"))
 
     def names(self) -> list[str]:
         """Names of all jobs."""
@@ -48,10 +48,11 @@ class DatasetWork:
             drawn = draw_scene(self.specification, self.base, number)
             tiles += self._tiles_of(drawn)
             toml = scene_to_toml(drawn.scene)
-            scenes.append({"scene": number, "hash": drawn.digest, "drawn": drawn.drawn, "toml": toml})
+            digest = hashlib.sha256(toml.encode()).hexdigest()[:16]
+            scenes.append({"scene": number, "hash": digest, "drawn": drawn.draws.drawn, "toml": toml})
         if tiles:
             self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
-        return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
+        return {"made": len(tiles), "scenes": scenes, "tiles": [tile.description for tile in tiles]}
 
     def begun(self) -> Self:
         """Return the work as it is: scenes have nothing to share."""
@@ -74,7 +75,7 @@ class DatasetWork:
         """Tiles of one scene that are kept, annotated."""
         wanted, classes = self.specification, self.specification.classes
         for tile in self.cut(drawn):
-            description = tile.told
+            description = tile.description
             # Chips, and tiles with targets, are always kept; a share of the empty tiles is kept at random.
             always = wanted.chips is not None or description["targets"]
             share = hash_share(wanted.seed, description["scene"], description["name"])

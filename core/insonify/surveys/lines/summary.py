@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Booleans, Floats
+from insonify.arrays import Floats
 from insonify.display.picture import load_palette
 from insonify.io.atomic import write_text
 from insonify.io.geotiff import write_geotiff
@@ -38,23 +38,16 @@ def measure_coverage(mosaic: Mosaic, corners: Floats | None) -> Coverage:
         area = float((mosaic.count > 0).sum()) * square
         count = mosaic.count
     else:
-        x, y = corners.T
+        # lazy: slow to import
+        from skimage.draw import polygon2mask
+
+        (x, y), (left, top) = corners.T, mosaic.corner
         area = 0.5 * abs(float(x @ np.roll(y, 1) - y @ np.roll(x, 1)))
-        count = mosaic.count[_cells_within(mosaic, corners)]
+        # The cells with their centres within the area, by rows and columns.
+        outline = np.stack([(top - y) / mosaic.cell - 0.5, (x - left) / mosaic.cell - 0.5], axis=1)
+        count = mosaic.count[polygon2mask(mosaic.count.shape, outline)]  # type: ignore[no-untyped-call]
     shares = [min(float((count >= lines).sum()) * square / area, 1.0) for lines in (1, 2)]
     return Coverage(area, *shares)
-
-
-def _cells_within(mosaic: Mosaic, corners: Floats) -> Booleans:
-    """Mask of the cells of a mosaic with their centres within an area, (rows, columns)."""
-    # lazy: slow to import
-    from skimage.draw import polygon2mask
-
-    left, top = mosaic.corner
-    rows = (top - corners[:, 1]) / mosaic.cell - 0.5
-    columns = (corners[:, 0] - left) / mosaic.cell - 0.5
-    outline = np.stack([rows, columns], axis=1)
-    return np.asarray(polygon2mask(mosaic.count.shape, outline))  # type: ignore[no-untyped-call]  # of scikit-image
 
 
 def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:

@@ -64,13 +64,6 @@ class SurveyTrack(NamedTuple):
     pings: list[range]  # of each line, with its turn
 
 
-def lay_lines(specification: SurveySpecification) -> list[SurveyLine]:
-    """Return the lines of a survey, in order."""
-    if specification.area is not None:
-        return lay_lawnmower(specification.area)
-    return [SurveyLine(line.start, line.end) for line in specification.lines]
-
-
 def lay_lawnmower(area: Area) -> list[SurveyLine]:
     """Cover an area by parallel lines, to and fro, in the middle of strips of equal width."""
     ahead = np.array([math.cos(math.radians(area.heading)), math.sin(math.radians(area.heading))])
@@ -134,15 +127,13 @@ def _fixes(line: SurveyLine) -> Iterator[tuple[float, float, float, float]]:
     yield 0.0, *line.start, line.heading
     yield line.length, *line.end, line.heading
     if line.turn:
-        centre = (
-            line.end[0] - line.turn * math.sin(line.heading),
-            line.end[1] + line.turn * math.cos(line.heading),
-        )
+        x_centre = line.end[0] - line.turn * math.sin(line.heading)
+        y_centre = line.end[1] + line.turn * math.cos(line.heading)
         steps = math.ceil(math.pi / ARC_STEP)
         for step in range(1, steps + 1):
             turned = line.heading + math.copysign(math.pi * step / steps, line.turn)
-            x = centre[0] + line.turn * math.sin(turned)
-            y = centre[1] - line.turn * math.cos(turned)
+            x = x_centre + line.turn * math.sin(turned)
+            y = y_centre - line.turn * math.cos(turned)
             yield line.length + abs(line.turn) * math.pi * step / steps, x, y, turned
 
 
@@ -158,7 +149,9 @@ class SurveyWork:
     @cached_property
     def lines(self) -> list[SurveyLine]:
         """The lines, in order."""
-        return lay_lines(self.specification)
+        if self.specification.area is not None:
+            return lay_lawnmower(self.specification.area)
+        return [SurveyLine(line.start, line.end) for line in self.specification.lines]
 
     @cached_property
     def track(self) -> SurveyTrack:
