@@ -27,7 +27,7 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
-from own_things import forgetting
+from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
 BASE = load_scene("default")
