@@ -19,7 +19,7 @@ def scene(path, *, spacing=0.1, origin=None, **dem):
     return build({"world": world, "seabed": {"spacing": spacing, "relief": relief}})
 
 
-def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), **profile):
+def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), driver="GTiff", **profile):
     """Write rows from north to south; the corner is that of the north-western pixel."""
     rows = np.asarray(rows, dtype=np.complex64 if np.iscomplexobj(rows) else np.float32)
     if corner is not None:
@@ -27,7 +27,7 @@ def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), **profile)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)
         with rasterio.open(
-            path, "w", driver="GTiff", height=rows.shape[0], width=rows.shape[1], count=1, dtype=rows.dtype, **profile
+            path, "w", driver=driver, height=rows.shape[0], width=rows.shape[1], count=1, dtype=rows.dtype, **profile
         ) as raster:
             raster.write(rows, 1)
     return path

@@ -100,31 +100,10 @@ def box_mesh(low: Sequence[float], high: Sequence[float], *, target: int = 0) ->
 
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and counter-clockwise faces of an icosahedron whose faces are quartered and pushed out to a sphere."""
-    golden = 0.5 * (1.0 + 5.0**0.5)
-    rows = [(0.0, s, t * golden) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
-    points = [np.roll(row, shift) for shift in range(3) for row in rows]
-    faces = [
-        face
-        for face in itertools.permutations(range(12), 3)
-        if face[0] == min(face)
-        and all(np.linalg.norm(points[a] - points[b]) < 2.1 for a, b in itertools.combinations(face, 2))
-        and np.linalg.det([points[v] for v in face]) > 0.0
-    ]
-    vertices = [point / np.linalg.norm(point) for point in points]
-    for _ in range(halvings):
-        between: dict[tuple[int, int], int] = {}
+    import trimesh  # 1 s, which most tests do without
 
-        def middle(a: int, b: int, between: dict[tuple[int, int], int] = between) -> int:
-            key = (min(a, b), max(a, b))
-            if key not in between:
-                point = vertices[a] + vertices[b]
-                between[key] = len(vertices)
-                vertices.append(point / np.linalg.norm(point))
-            return between[key]
-
-        cut = [((a, b, c), (middle(a, b), middle(b, c), middle(c, a))) for a, b, c in faces]
-        faces = [f for (a, b, c), (p, q, r) in cut for f in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
-    return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
+    ball = trimesh.creation.icosphere(halvings, radius)
+    return np.asarray(ball.vertices) + np.asarray(centre), np.asarray(ball.faces)
 
 
 def tabulated_pattern(extent: ArrayLike, energy: ArrayLike, **fields: Any) -> BeamPattern:

@@ -20,55 +20,52 @@ def speed_and_gradient(water: Water, z: np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.interp(z, heights, speeds), slopes[np.searchsorted(heights, z, side="right")]
 
 
-def onward(water: Water, state: Sequence[np.ndarray], ds: ArrayLike) -> list[np.ndarray]:
+def onward(water: Water, state: np.ndarray, ds: ArrayLike) -> np.ndarray:
     """One step of the ray equations, by the rule of the middle twice over (Runge and Kutta's fourth order).
 
-    Of ground range, height, cosine and sine of the angle above the horizontal, and travel time.
+    Of ground range, height, cosine and sine of the angle above the horizontal, and travel time: (5, rays).
     """
 
-    def rates(x, z, level, up, t):
+    def rates(state: np.ndarray) -> np.ndarray:
+        _, z, level, up, _ = state
         c, g = speed_and_gradient(water, z)
         turn = -g / c * level  # of the angle, by length
-        return level, up, -turn * up, turn * level, 1.0 / c
+        return np.array([level, up, -turn * up, turn * level, 1.0 / c])
 
-    k1 = rates(*state)
-    k2 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k1)))
-    k3 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k2)))
-    k4 = rates(*(s + ds * k for s, k in zip(state, k3)))
-    return [s + ds / 6.0 * (a + 2.0 * (b + c) + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+    k1 = rates(state)
+    k2 = rates(state + 0.5 * ds * k1)
+    k3 = rates(state + 0.5 * ds * k2)
+    k4 = rates(state + ds * k3)
+    return state + ds / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
 
 def follow(
     water: Water, z: float, angles: np.ndarray, hit: Callable, reach: float, step: float
-) -> dict[str, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray]:
     """Follow rays launched at angles above the horizontal from height z until ``hit(x, z)`` names what they are in.
 
-    Returns ground range, height, direction and travel time where each ends (NaN if it meets nothing), and what it met.
+    Returns the state where each ends, (5, rays) as in `onward` (NaN if it meets nothing), and what it met.
     """
-    state = [np.zeros_like(angles), np.full_like(angles, z), np.cos(angles), np.sin(angles), np.zeros_like(angles)]
-    last = [np.full_like(angles, np.nan) for _ in state]  # before the step in which it ends
+    rest = np.zeros_like(angles)
+    state = np.array([rest, rest + z, np.cos(angles), np.sin(angles), rest])
+    last = np.full_like(state, np.nan)  # before the step in which it ends
     alive = np.arange(angles.size)
     for _ in range(int(1.1 * reach / step)):
         after = onward(water, state, step)
-        ended = hit(after[0], after[1]) != -2
-        for values, before in zip(last, state):
-            values[alive[ended]] = before[ended]
-        state, alive = [s[~ended] for s in after], alive[~ended]
+        ended = hit(*after[:2]) != -2
+        last[:, alive[ended]] = state[:, ended]
+        state, alive = after[:, ~ended], alive[~ended]
         if alive.size == 0:
             break
-    ends = np.isfinite(last[0])
-    at, height, level, up, time = _ends(water, [values[ends] for values in last], hit, step)
-    out = {name: np.full_like(angles, np.nan) for name in ("x", "z", "angle", "time")}
-    for name, values in zip(out, (at, height, np.arctan2(up, level), time)):
-        out[name][ends] = values
-    what = np.full(angles.shape, -2)
-    what[ends] = hit(at, height)
-    return out | {"what": what}
+    ends, what = np.isfinite(last[0]), np.full(angles.shape, -2)
+    last[:, ends] = _ends(water, last[:, ends], hit, step)
+    what[ends] = hit(*last[:2, ends])
+    return last, what
 
 
-def _ends(water: Water, before: Sequence[np.ndarray], hit: Callable, step: float) -> list[np.ndarray]:
+def _ends(water: Water, before: np.ndarray, hit: Callable, step: float) -> np.ndarray:
     """Halve the last step of each ray forty times, and return where it is just inside of what it meets."""
-    low, high = np.zeros(before[0].size), np.full(before[0].size, step)
+    low, high = np.zeros(before.shape[1]), np.full(before.shape[1], step)
     for _ in range(40):
         middle = 0.5 * (low + high)
         inside = hit(*onward(water, before, middle)[:2]) != -2
@@ -95,12 +92,12 @@ def knife(
     angles = np.concatenate(
         [np.arctan(-np.geomspace(300.0, 1.0, rays // 4)), np.arctan(np.linspace(-1.0, 0.3, rays)[1:])]
     )
-    end = follow(arrays.water, sonar, angles, hit, reach, step)
-    x, z, r = end["x"], end["z"], arrays.water.reference * end["time"]
-    same = (end["what"][1:] == end["what"][:-1]) & (end["what"][1:] > -2)
+    (x, z, level, up, time), what = follow(arrays.water, sonar, angles, hit, reach, step)
+    r, ends = arrays.water.reference * time, np.arctan2(up, level)
+    same = (what[1:] == what[:-1]) & (what[1:] > -2)
     dx, dz = np.diff(x), np.diff(z)
     ds = np.hypot(dx, dz)
-    angle = 0.5 * (end["angle"][1:] + end["angle"][:-1])
+    angle = 0.5 * (ends[1:] + ends[:-1])
     with np.errstate(invalid="ignore", divide="ignore"):
         cosine = np.abs(dz * np.cos(angle) - dx * np.sin(angle)) / ds
         spread = np.cos(0.5 * (angles[1:] + angles[:-1])) * np.diff(angles) / (0.5 * (x[1:] + x[:-1]) * ds * cosine)
@@ -109,15 +106,10 @@ def knife(
     energy = cosine**2 * diffuse / np.pi * ds * spread**2 * middle**4
     # A jump from one ridge to the next is no piece of surface.
     same &= ds * cosine < 4.0 * np.diff(angles) * middle
-    return _spread(arrays, r[:-1][same], r[1:][same], energy[same])
-
-
-def _spread(arrays: SceneArrays, near: np.ndarray, far: np.ndarray, energy: np.ndarray) -> np.ndarray:
-    """Spread energies evenly over stretches of slant range."""
-    out = np.zeros(arrays.bins)
-    for share in (np.arange(8) + 0.5) / 8:
-        place = near + share * (far - near)
-        k = np.floor(place / arrays.bin_length).astype(int)
-        inside = (k >= 0) & (k < arrays.bins)
-        np.add.at(out, k[inside], energy[inside] / 8 * range_factor(arrays, place[inside]))
-    return out
+    near, far = r[:-1][same], r[1:][same]
+    # Energies are spread evenly over their stretches of slant range.
+    place = near + (np.arange(8)[:, None] + 0.5) / 8 * (far - near)
+    k = np.floor(place / arrays.bin_length).astype(int)
+    inside = k < arrays.bins
+    energies = energy[same] / 8 * range_factor(arrays, place)
+    return np.bincount(k[inside], energies[inside], arrays.bins)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import ndimage
 
 from brute_force import bodies_of, strength
 from insonify.kernels.common.types import BED, LIGHT, PORT, SPHERE, Bed, SceneArrays, Solids
@@ -13,23 +14,14 @@ NOTHING = -2
 
 def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Bilinear heights above the datum, NaN where there is no bed."""
-    ny, nx = bed.heights.shape
-    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
-    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
-    inside = np.ones(u.shape, dtype=bool)
-    if not bed.periodic:
-        inside = (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
-        i, j = np.clip(i, 0, nx - 2), np.clip(j, 0, ny - 2)
-    fu, fv = u - i, v - j
-    z = bed.heights.astype(np.float64)
-    near = z[j % ny, i % nx] * (1 - fu) + z[j % ny, (i + 1) % nx] * fu
-    far = z[(j + 1) % ny, i % nx] * (1 - fu) + z[(j + 1) % ny, (i + 1) % nx] * fu
-    return np.where(inside, near * (1 - fv) + far * fv, np.nan)
+    places = [np.subtract(y, bed.y0) / bed.spacing, np.subtract(x, bed.x0) / bed.spacing]
+    mode = "grid-wrap" if bed.periodic else "constant"
+    return ndimage.map_coordinates(bed.heights.astype(float), places, order=1, mode=mode, cval=np.nan)
 
 
 def height(bed: Bed, x: float, y: float) -> float:
     """Likewise at one place."""
-    return float(heights(bed, np.asarray(x), np.asarray(y)))
+    return float(heights(bed, np.array([x]), np.array([y]))[0])
 
 
 def gradients(bed: Bed, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -232,14 +232,7 @@ def _open_files() -> Iterator[str]:
             yield os.readlink(f"/proc/self/fd/{number}")
         except OSError:
             continue
-    descriptor = os.open("/proc/self/maps", os.O_RDONLY)
-    try:
-        pieces = []
-        while piece := os.read(descriptor, 2**20):
-            pieces.append(piece)
-    finally:
-        os.close(descriptor)
-    for line in b"".join(pieces).decode(errors="replace").splitlines():
+    for line in Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace").splitlines():
         yield line.split(maxsplit=5)[5] if line.count("/") else ""
 
 

@@ -6,6 +6,7 @@ import json
 import math
 import time
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,11 +14,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.accuracy.charts import kinds, reference
 from insonify.accuracy.charts.kinds import accuracy, convergence, cost
-from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, AccuracyRow, TracedScene, measure_chart
-from insonify.accuracy.charts.kinds.convergence import ConvergenceChart, ConvergencePoint
-from insonify.accuracy.charts.kinds.cost import CostChart, CostRow
 from insonify.accuracy.charts.method_settings import EMBREE_OWN, PLAN, SWEEPS, list_settings, pack_for_chart
-from insonify.accuracy.charts.reference import Reference, trace_exact_rays
 from insonify.accuracy.charts.style import fit_power_law
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
@@ -26,7 +23,8 @@ from insonify.statistics.record_errors import Displacement, RecordErrors, compar
 
 def row(method, setting, microseconds, error, targets=False):
     errors = RecordErrors(all_bins=error, beyond=error, energy_bias=0.0, dark_leakage=0.0)
-    return AccuracyRow(method, setting, 1.0, targets, microseconds, 0.01, errors, Displacement(0.02, float("nan")))
+    moved = Displacement(0.02, math.nan)
+    return accuracy.AccuracyRow(method, setting, 1.0, targets, microseconds, 0.01, errors, moved)
 
 
 ROWS = (
@@ -40,8 +38,9 @@ ROWS = (
 def made(rows=ROWS):
     poses, arrays = poses_of([0.0, 1.0], 0.0, 8.0), arrays_of(np.zeros((8, 8)), 4.0, periodic=True)
     record = np.ones((2, 2, arrays.bins), dtype=np.float32)
-    case = TracedScene(arrays, poses, Reference(record, 0.001, 65536))
-    return AccuracyChart("Pipe", rows, 2, "a machine, two cores", {False: case}, {each.key: record for each in rows})
+    case = accuracy.TracedScene(arrays, poses, reference.Reference(record, 0.001, 65536))
+    records = {each.key: record for each in rows}
+    return accuracy.AccuracyChart("Pipe", rows, 2, "a machine, two cores", {False: case}, records)
 
 
 SMALL = edit(
@@ -54,15 +53,10 @@ SMALL = edit(
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def measured():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(accuracy, "PROVING", 1.0)
-        patch.setattr(accuracy, "TIMING", 0.4)
-        return measure_chart(SMALL, pings=2)
-
-
-def test_every_method_is_measured_beside_its_reference_and_what_that_does_not_resolve_is_said(measured, tmp_path):
+def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
+    monkeypatch.setattr(accuracy, "PROVING", 1.0)
+    monkeypatch.setattr(accuracy, "TIMING", 0.4)
+    measured = accuracy.measure_chart(SMALL, pings=2)
     methods = {"march", "rays", "sweep", "sweep, float64", "sweep, every 2nd node", "sweep, every 4th node"}
     methods |= {"sweep, whole segments", "sweep, segments to 3 %", "sweep, segments to 1 %"}
     assert methods <= {row.method for row in measured.rows}
@@ -85,9 +79,7 @@ def test_every_method_is_measured_beside_its_reference_and_what_that_does_not_re
     for each in rows:
         floor = 10.0 * float(each["reference_moved"])
         assert each["resolved"] == ("yes" if float(each["error_beyond"]) >= floor else "no")
-
-
-def test_errors_fall_with_rays_planes_and_nodes_and_hardly_with_digits(measured):
+    # Errors fall with rays, planes and nodes, and hardly with digits.
     for method in ("rays", "sweep"):
         errors = [row.errors.beyond for row in measured.rows if row.method == method and not row.targets]
         assert errors[-1] < 0.2 * errors[0]
@@ -100,12 +92,19 @@ def test_errors_fall_with_rays_planes_and_nodes_and_hardly_with_digits(measured)
     )
     assert full < half < quarter
     assert full == pytest.approx(double, abs=1e-4)
+    # How much sooner the sweep is near the truth is said.
+    for note, which in zip(measured.summarise(), ("without", "with")):
+        assert note.startswith(f"{which} targets: 2 % in ")
+        assert float(note.split("× ")[1]) > 1.0
+    assert measured.summarise()[2].startswith("default plan, ")
+    for each in measured.rows_of(targets=True):
+        assert np.linalg.norm(measured.split(each)) == pytest.approx(each.errors.beyond)
 
 
 def test_what_the_division_of_segments_brings_over_a_rough_bed_is_charted():
     arrays, poses = pack_for_chart(edit(load_scene("rough-ground"), {"targets": [], "sonar.beam": "knife"}), 2)
     arrays = arrays._replace(multipath=no_surface_multipath())
-    right = trace_exact_rays(arrays, poses, 1 << 15)
+    right = reference.trace_exact_rays(arrays, poses, 1 << 15)
     variants = ("whole segments", "segments to 3 %", "segments to 1 %")
     found = {
         one.method: compare_records(arrays, poses, one.trace(poses), right).beyond
@@ -117,45 +116,27 @@ def test_what_the_division_of_segments_brings_over_a_rough_bed_is_charted():
     assert found["sweep"] < 0.01
 
 
-class Stop(Exception):
-    """Raised to give up a measurement."""
+def test_progress_is_reported_and_stops_a_measurement_or_a_reference_after_any_ping(monkeypatch):
+    progress = Mock(side_effect=[None] * 4 + [InterruptedError])
+    with pytest.raises(InterruptedError):
+        accuracy.measure_chart(SMALL, pings=2, progress=progress)
+    shares = [call.args[0] for call in progress.call_args_list]
+    assert shares == sorted(shares)
+    assert all(0.0 <= share <= 1.0 for share in shares)
+    trace = Mock(side_effect=lambda *_, **how: time.sleep(0.01))
+    monkeypatch.setattr(reference.rays, "trace", trace)
+    bounces, poses = arrays_of(np.zeros((8, 8)))._replace(bounces=1), poses_of(np.arange(64.0), 0.0, 8.0)
+    with pytest.raises(InterruptedError):
+        reference.trace_exact_rays(bounces, poses, 1 << 16, Mock(side_effect=InterruptedError))
+    assert trace.call_count < 32
 
 
-def test_progress_is_told_and_may_stop():
-    told = []
-
-    def progress(share):
-        told.append(share)
-        if len(told) == 5:
-            raise Stop
-
-    with pytest.raises(Stop):
-        measure_chart(SMALL, pings=2, progress=progress)
-    assert told == sorted(told)
-    assert all(0.0 <= share <= 1.0 for share in told)
-
-
-def test_a_reference_is_given_up_after_any_ping(monkeypatch):
-    def told():
-        raise Stop
-
-    traced = []
-    monkeypatch.setattr(reference.rays, "trace", lambda arrays, pose, **how: traced.append(time.sleep(0.01)))
-    poses = poses_of(np.arange(64.0), 0.0, 8.0)
-    with pytest.raises(Stop):
-        reference.trace_exact_rays(arrays_of(np.zeros((8, 8)))._replace(bounces=1), poses, 1 << 16, told)
-    assert len(traced) < 32
-
-
-def test_front_keeps_what_none_beats():
+def test_front_keeps_what_none_beats_and_times_are_those_to_come_within_an_error():
     slow = (row("rays", "16,000 rays", 1900.0, 0.005),)
     assert [each.setting for each in made(ROWS + slow).find_front(targets=False)] == ["1 plane", "16,000 rays"]
     # Gains that the reference does not resolve are left out.
     rows = (row("sweep", "1 plane", 12.0, 0.0100), row("sweep", "2 planes", 20.0, 0.0095))
     assert [each.setting for each in made(rows).find_front(targets=False)] == ["1 plane"]  # it moved by 0.001
-
-
-def test_time_to_come_within_an_error():
     whole = made()
     # Straight in the logarithms: halfway between two settings in error is halfway in time.
     assert whole.time_to_error("rays", (0.31 * 0.08) ** 0.5, targets=False) == pytest.approx((120.0 * 470.0) ** 0.5)
@@ -181,16 +162,12 @@ def test_speeds_are_compared_with_the_division_that_serves_best_at_that_error():
     assert made(rays).describe_speedup(targets=False) == ""
 
 
-def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
-    for note, which in zip(measured.summarise(), ("without", "with")):
-        assert note.startswith(f"{which} targets: 2 % in ")
-        assert float(note.split("× ")[1]) > 1.0
-    assert measured.summarise()[2].startswith("default plan, ")
-    for each in measured.rows_of(targets=True):
-        assert np.linalg.norm(measured.split(each)) == pytest.approx(each.errors.beyond)
-
-
-def test_tables_hold_what_was_measured(tmp_path):
+def test_tables_hold_what_was_measured_and_other_endings_and_no_pings_are_refused(tmp_path):
+    with pytest.raises(SceneError, match=r"chart\.pdf.*\.csv or \.json"):
+        made().save(tmp_path / "chart.pdf")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(SceneError, match="pings"):
+        accuracy.measure_chart(load_scene("default"), pings=0)
     made().save(tmp_path / "chart.csv")
     with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -233,21 +210,12 @@ def test_legend_notes_and_headings_are_whole_and_apart(both):
     assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
 
 
-def test_other_endings_and_no_pings_are_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"chart\.pdf.*\.csv or \.json"):
-        made().save(tmp_path / "chart.pdf")
-    assert not list(tmp_path.iterdir())
-    with pytest.raises(SceneError, match="pings"):
-        measure_chart(load_scene("default"), pings=0)
-
-
 BARE = edit(SMALL, {"targets": []})
 
 
 def test_a_power_law_is_found_with_its_spread():
     x = np.array([1.0, 2.0, 4.0, 8.0])
-    found = fit_power_law(x, 3.0 * x**-1.5)
-    assert found == pytest.approx((-1.5, 0.0, 3.0), abs=1e-12)
+    assert fit_power_law(x, 3.0 * x**-1.5) == pytest.approx((-1.5, 0.0, 3.0), abs=1e-12)
     # By hand: residuals +d, -d, -d, +d of the logarithms leave the slope and have the variance 4 d² / 2.
     bent = fit_power_law(x, x**2 * np.exp([0.1, -0.1, -0.1, 0.1]))
     assert bent.exponent == pytest.approx(2.0)
@@ -303,11 +271,11 @@ def test_convergence_has_the_orders_of_the_methods(monkeypatch, tmp_path):
 
 
 def test_pictures_of_laws_are_written(tmp_path):
-    rows = tuple(CostRow("sweep", "planes", n, 10.0 * n + 5.0, 0.01, 2.0) for n in (1.0, 2.0, 4.0))
-    CostChart("Pipe", rows, "a machine").save(tmp_path / "cost.png")
-    points = tuple(ConvergencePoint("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
-    right = Reference(np.zeros((1, 2, 4), dtype=np.float32), 1e-4, 1 << 16)
-    chart = ConvergenceChart("Pipe", points, right, "a machine")
+    rows = tuple(cost.CostRow("sweep", "planes", n, 10.0 * n + 5.0, 0.01, 2.0) for n in (1.0, 2.0, 4.0))
+    cost.CostChart("Pipe", rows, "a machine").save(tmp_path / "cost.png")
+    points = tuple(convergence.ConvergencePoint("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
+    right = reference.Reference(np.zeros((1, 2, 4), dtype=np.float32), 1e-4, 1 << 16)
+    chart = convergence.ConvergenceChart("Pipe", points, right, "a machine")
     chart.save(tmp_path / "convergence.png")
     assert chart.fits()["rays"].exponent == pytest.approx(-1.0)
     assert {path.read_bytes()[:4] for path in tmp_path.iterdir()} == {b"\x89PNG"}

@@ -49,19 +49,15 @@ def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
     assert dark.sum() < 0.03 * heard.sum()
 
 
-def exact_hits(arrays, bundle):
-    hits, bodies = empty_hits(bundle.x.size), np.arange(arrays.solids.shape.size)
-    reach = arrays.bins * arrays.bin_length
-    find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, reach, hits)
-    return hits
-
-
-def rays_towards(arrays, poses, target, wide, count=20_000):
-    rng = np.random.default_rng(3)
-    origin = np.array([poses.x[0], poses.y[0], poses.z[0]])
-    ways = np.asarray(target) + rng.uniform(-wide, wide, (count, 3)) - origin
+def hits_about(target, wide, arrays, count=20_000):
+    """First hits of rays from the first pose to places about a target, by Embree and by the exact walk."""
+    origin = np.array([POSES.x[0], POSES.y[0], POSES.z[0]])
+    ways = np.asarray(target) + np.random.default_rng(3).uniform(-wide, wide, (count, 3)) - origin
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    return RayBundle(*(np.full(count, value) for value in origin), *np.ascontiguousarray(ways.T))
+    bundle = RayBundle(*(np.full(count, value) for value in origin), *np.ascontiguousarray(ways.T))
+    exact, bodies, reach = empty_hits(count), np.arange(arrays.solids.shape.size), arrays.bins * arrays.bin_length
+    find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, reach, exact)
+    return TriangulatedScene(arrays, POSES).cast(bundle), exact
 
 
 BOX = (-1.0, 8.0, 0.0), (1.0, 9.5, 1.2)
@@ -78,9 +74,7 @@ TARGETS = {
 @pytest.mark.parametrize(("name", "degrees"), [(name, degrees) for name, (_, degrees) in TARGETS.items()])
 def test_a_target_is_hit_where_the_exact_walk_hits_it(name, degrees):
     # Chords lie up to 3e-4 of the radius beneath the surface: nearly edge-on a ray that the body stops may pass it.
-    arrays = rough_arrays(FAN, **TARGETS[name][0])
-    bundle = rays_towards(arrays, POSES, (0.5, 9.0, 0.6), 1.5)
-    found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
+    found, right = hits_about((0.5, 9.0, 0.6), 1.5, rough_arrays(FAN, **TARGETS[name][0]))
     target = right.body >= 0
     assert target.mean() > 0.03
     assert np.mean((found.body >= 0) != target) < 1e-3
@@ -97,8 +91,7 @@ def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
         solids=arrays.solids._replace(material=np.array([1])),
         mesh=arrays.mesh._replace(material=np.full(len(FACES), 2)),
     )
-    bundle = rays_towards(arrays, POSES, (1.5, 9.0, 0.6), 3.0)
-    found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
+    found, right = hits_about((1.5, 9.0, 0.6), 3.0, arrays)
     assert set(found.material) == {0, 1, 2}
     assert np.mean(found.material != right.material) < 1e-3
     assert np.mean(found.body != right.body) < 2e-3  # on the edge of two triangles either is right

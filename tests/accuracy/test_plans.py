@@ -150,15 +150,8 @@ def finest_of(packed: PackedScene) -> Model:
     case, bent = Case(packed, "auto", {}), bool(packed.arrays.water.bent)
     has_width = packed.scene.sonar.beam.has_width
     planes, across = (2 * MOST_PLANES, 2 * OF_A_TARGET[-1]) if has_width else (1, 0)
-    return Model(
-        planes=planes,
-        across=across,
-        bent=bent,
-        misplaced=SHARES[-1],
-        targets=case.near,
-        ways=case.paths,
-        rays=RAYS if bent else 0,
-    )
+    fine = Model(planes=planes, across=across, misplaced=SHARES[-1], rays=RAYS if bent else 0)
+    return fine._replace(bent=bent, targets=case.near, ways=case.paths)
 
 
 def charted(packed: PackedScene) -> list[Model]:
@@ -185,16 +178,15 @@ def seconds_of(packed: PackedScene, model: Model, poses: Poses) -> float:
 def summary(found: list[Verdict]) -> str:
     known = [one for one in found if one.resolved]
     worst = max(one.measured / one.tolerance for one in known)
-    off, ratio = np.array([one.off for one in known]), np.array([one.ratio for one in found])
-    ratio = ratio[np.isfinite(ratio)]
-    quick = np.array([one.share <= 0.1 or one.seconds <= 0.01 for one in found])
-    seconds = np.array([one.seconds for one in found])
+    off = np.array([one.off for one in known])
+    ratio = np.array([one.ratio for one in found if math.isfinite(one.ratio)])
+    quick = np.mean([one.share <= 0.1 or one.seconds <= 0.01 for one in found])
     lines = (
         f"{len(found)} scenes, {len(known)} with a resolved reference",
         f"within tolerance {100 * np.mean([one.kept for one in known]):.1f} %, worst {worst:.2f} ×",
         f"predicted within × 2 in {100 * np.mean(off <= 2):.1f} %, × 3 in {100 * np.mean(off <= 3):.1f} %",
         f"cost within × 1.5 in {100 * np.mean(ratio <= 1.5):.1f} %, median × {np.median(ratio):.2f}",
-        f"plan in its time in {100 * quick.mean():.1f} %, median {1e3 * np.median(seconds):.1f} ms",
+        f"plan in its time in {100 * quick:.1f} %, median {1e3 * np.median([one.seconds for one in found]):.1f} ms",
     )
     return "; ".join(lines)
 

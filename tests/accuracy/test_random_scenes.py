@@ -22,12 +22,8 @@ from random_scenes import dense_scene
 
 PLANES = 64  # of a fan
 ALL, BENT = range(50), range(30)
-QUICK, QUICK_BENT = (0, 20, 26, 31, 39), (0, 28)
-MORE = [
-    pytest.param(seed, bent, marks=pytest.mark.slow)
-    for bent, seeds in ((False, (3, 21, 28, 37, 47)), (True, (3, 21)))
-    for seed in seeds
-]
+QUICK = [*((seed, False) for seed in (0, 20, 26, 31, 39)), (0, True), (28, True)]  # seeds, and whether sound bends
+MORE = [*((seed, False) for seed in (3, 21, 28, 37, 47)), (3, True), (21, True)]
 DARK, LIT = 0.005, 0.1  # of the median of what is heard; what lies between is an edge too faint to have a place
 SPAN = 2  # bins that a stretch must last
 STRETCHES = 8  # of a side, in which levels are compared
@@ -101,9 +97,7 @@ def _missed(record: np.ndarray, right: np.ndarray) -> list[int]:
     return [int(np.abs(risen - k).min(initial=right.size)) for k in ends]
 
 
-@pytest.mark.parametrize(
-    ("seed", "bent"), [*((seed, False) for seed in QUICK), *((seed, True) for seed in QUICK_BENT), *MORE]
-)
+@pytest.mark.parametrize(("seed", "bent"), [*QUICK, *(pytest.param(*each, marks=pytest.mark.slow) for each in MORE)])
 def test_the_sweep_is_what_rays_say(seed, bent, tmp_path):
     judged = judge(seed, tmp_path, 0.004 if bent else 0.003, bent=bent)
     assert judged.errors.beyond < (0.015 if bent else 0.012), judged.line()

@@ -61,23 +61,18 @@ def test_sheets_converge_and_single_rays_tend_to_the_same(name):
     assert abs(by_many.energy_bias) < 5e-4
 
 
-def test_what_comes_back_by_other_paths_is_spread_over_its_bins():
+def test_what_water_that_folds_returns_is_spread_over_its_bins_and_swept_alike():
     arrays, poses = pack_for_chart(load_scene("double-image"), 1)
     right = rays.trace(arrays, poses, rays=1 << 20)
-    one, two = (
-        compare_records(arrays, poses, ray_sheets.trace(arrays, poses, sheets=n, rays=16 * n), right) for n in (32, 128)
-    )
+    sheets = (ray_sheets.trace(arrays, poses, sheets=n, rays=16 * n) for n in (32, 128))
+    one, two = (compare_records(arrays, poses, record, right) for record in sheets)
     assert one.beyond < 0.03
     assert two.beyond < min(0.3 * one.beyond, 0.01)
     assert abs(two.energy_bias) < 2e-3
-
-
-@pytest.mark.parametrize(("half_width", "limit"), [(0.0, 0.003), (FAN / 2.0, 0.03)])
-def test_the_sweep_of_water_that_folds_is_near_the_reference(half_width, limit):
-    arrays, poses = pack_for_chart(load_scene("double-image"), 1)
-    arrays = arrays._replace(half_width=half_width)
-    right = ray_sheets.trace(arrays, poses, sheets=64, rays=1 << 13)
-    assert compare_records(arrays, poses, sweep.trace(arrays, poses, rays=4000), right).beyond < limit
+    for half_width, limit in ((0.0, 0.003), (FAN / 2.0, 0.03)):
+        arrays = arrays._replace(half_width=half_width)
+        right = ray_sheets.trace(arrays, poses, sheets=64, rays=1 << 13)
+        assert compare_records(arrays, poses, sweep.trace(arrays, poses, rays=4000), right).beyond < limit
 
 
 def test_what_cannot_be_traced_is_refused():
@@ -97,13 +92,10 @@ def test_a_bed_with_holes():
     assert compare_records(arrays, poses, found, right).all_bins < 0.006
 
 
-def test_a_reference_is_right_at_nadir_too():
-    arrays = CASES["bodies"]
-    many = rays.trace(arrays, POSES, rays=1 << 19)
-    assert compare_records(arrays, POSES, trace_exact_rays(arrays, POSES, 1 << 18), many).all_bins < 0.002
-
-
-def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
+def test_a_reference_is_right_at_nadir_and_has_its_first_echoes_in_sheets():
+    bodies = CASES["bodies"]
+    many = rays.trace(bodies, POSES, rays=1 << 19)
+    assert compare_records(bodies, POSES, trace_exact_rays(bodies, POSES, 1 << 18), many).all_bins < 0.002
     arrays, poses = pack_for_chart(edit(load_scene("rough-ground"), {"sonar.bins": 200}), 2)
     many = rays.trace(arrays, poses, rays=1 << 18)
     paths = rays.trace_surface_paths(arrays, poses, rays=1 << 14)
@@ -114,14 +106,9 @@ def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
     assert compare_records(arrays, poses, first, many).beyond > 0.1  # the paths do matter
     assert compare_records(arrays, poses, found, many).beyond < compare_records(arrays, poses, single, many).beyond
     assert compare_records(arrays, poses, found, many).beyond < 0.02
-
-
-@pytest.mark.parametrize(("bounces", "surface", "kind"), [
-    (0, False, "rays in sheets"), (0, True, "rays in sheets, surface paths by single rays"), (1, True, "single rays"),
-])  # fmt: skip
-def test_the_rays_of_a_reference_are_named(bounces, surface, kind):
-    arrays = rough_arrays()._replace(bounces=bounces, multipath=no_surface_multipath()._replace(enabled=surface))
-    assert name_rays(arrays) == kind
+    assert name_rays(arrays) == "rays in sheets, surface paths by single rays"
+    assert name_rays(arrays._replace(multipath=no_surface_multipath())) == "rays in sheets"
+    assert name_rays(arrays._replace(bounces=1)) == "single rays"
 
 
 def test_the_change_by_more_rays_shows_the_error_of_steep_ground_that_glints():

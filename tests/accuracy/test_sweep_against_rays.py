@@ -90,14 +90,9 @@ def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
 
 def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
     # The same azimuth takes in other ground ranges of high ground than of low.
-    changes = {
-        "seabed.relief": {"kind": "von_karman", "rms": 1.2, "across": 40.0, "along": 40.0, "hurst": 1.0},
-        "sonar.beam": {"kind": "fan", "width": 4.5, "squint": 9.5},
-        "track.altitude": 3.5,
-        "sonar.range": 15.0,
-        "sonar.bins": 150,
-        "targets": [],
-    }
+    relief = {"kind": "von_karman", "rms": 1.2, "across": 40.0, "along": 40.0, "hurst": 1.0}
+    changes = {"seabed.relief": relief, "sonar.beam": {"kind": "fan", "width": 4.5, "squint": 9.5}, "targets": []}
+    changes |= {"track.altitude": 3.5, "sonar.range": 15.0, "sonar.bins": 150}
     errors = compare_records(*both("default", changes, np.arange(60, 340, 70), planes=16))
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 5e-3
@@ -108,15 +103,10 @@ def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
 def test_what_is_hardly_within_range_is_heard_to_the_range(altitude, path):
     # Planes are laid for heights in steps of 4 %, within which the last ground range in reach changes twofold.
     own = altitude if path == "direct" else 6.0
-    changes = {
-        "seabed": {"depth": 80.0 if path == "direct" else 0.5 * (altitude + own), "relief": {"kind": "flat"}},
-        "water.surface": {"kind": "flat", "surface_echo": False, "surface_bottom": False, "second_bottom": False},
-        "sonar.beam": {"kind": "gaussian", "width": 1.5},
-        "track.altitude": own,
-        "sonar.range": 1.03 * altitude,
-        "sonar.bins": 200,
-        "targets": [],
-    }
+    seabed = {"depth": 80.0 if path == "direct" else 0.5 * (altitude + own), "relief": {"kind": "flat"}}
+    surface = {"kind": "flat", "surface_echo": False, "surface_bottom": False, "second_bottom": False}
+    changes = {"seabed": seabed, "water.surface": surface, "track.altitude": own, "targets": []}
+    changes |= {"sonar.beam": {"kind": "gaussian", "width": 1.5}, "sonar.range": 1.03 * altitude, "sonar.bins": 200}
     _, _, record, right = both("default", changes, np.arange(2), planes=16)
     last = slice(195, None)  # up to 1.03 altitudes
     assert record[..., last].sum() == pytest.approx(right[..., last].sum(), rel=0.01)

@@ -73,20 +73,19 @@ def await_threads(before: set[threading.Thread]) -> None:
 
 
 @pytest.fixture(autouse=True)
-def _nothing_is_left() -> Iterator[None]:
+def _nothing_is_left(qapp: QApplication) -> Iterator[None]:
     """Leave no thread at work, also where the command draws a window: LLVM would abort as the process ends.
 
-    Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too.
+    Delete what is to be deleted later, as a loop of events does: style sheets are applied to it too. Every test begins
+    with the usual colours and size of text, and with an application that has the screen: a command that draws without
+    one would take it from all tests.
     """
-    before = set(threading.enumerate())
+    apply_theme(qapp)
+    before, font = set(threading.enumerate()), qapp.font()
     yield
     await_threads(before)
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _windows_are_on_the_screen(qapp: QApplication) -> None:
-    """Make the application before a command that draws without a screen, which would take the screen from all tests."""
+    qapp.setFont(font)
 
 
 @pytest.fixture(scope="session")
@@ -144,7 +143,6 @@ def open_viewer(
     qtbot: Any, qapp: QApplication, _beds_are_shaded_once: None, _seabed_is_not_drawn: None
 ) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
-    apply_theme(qapp)
     viewers: list[Viewer] = []
     before = set(threading.enumerate())
 

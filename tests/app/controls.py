@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QHeaderView,
+    QLabel,
     QLineEdit,
     QMessageBox,
     QScrollBar,
@@ -55,9 +56,10 @@ def colours_of(image: QImage) -> NDArray[np.uint32]:
     return words & 0xFFFFFF  # a copy, which outlives the image
 
 
-def takes_keyboard(widget: QWidget) -> bool:
-    """Whether a widget can have the keyboard, and is no part of another one."""
-    return widget.focusPolicy() != Qt.FocusPolicy.NoFocus and not _is_part(widget)
+def focusable(window: QWidget) -> set[QWidget]:
+    """Widgets below one that can have the keyboard, without parts of another one and texts without words."""
+    found = (child for child in window.findChildren(QWidget) if child.focusPolicy() != Qt.FocusPolicy.NoFocus)
+    return {child for child in found if not (_is_part(child) or (isinstance(child, QLabel) and not child.text()))}
 
 
 def _is_part(widget: QWidget) -> bool:

@@ -100,19 +100,11 @@ class StandIn:
 def ground_of(seabed: Seabed) -> Ground:
     """A ripple of 1 cm under everything; the same ground for the same seabed, as in a real simulation."""
     n = 64
-    i = np.arange(n)
-    heights = 0.01 * np.sin(2 * np.pi * i / 8)[None, :] + np.zeros((n, 1))
+    heights = np.tile(0.01 * np.sin(2 * np.pi * np.arange(n) / 8), (n, 1))
     material = seabed.material
     name = material.name if material.kind == "uniform" else material.of[0].name
     numbers = material.reflectivity if material.kind == "uniform" else MATERIALS[name].reflectivity
     return Ground(
-        heights=heights.astype(np.float32),
-        materials=np.zeros((n, n), np.uint8),
-        names=(name,),
-        reflectivities=(numbers,),
-        x0=0.0,
-        y0=0.0,
-        spacing=0.5,
-        periodic=True,
-        datum=-seabed.depth,
-    )
+        heights.astype(np.float32), np.zeros((n, n), np.uint8), (name,), (numbers,),
+        x0=0.0, y0=0.0, spacing=0.5, periodic=True, datum=-seabed.depth,
+    )  # fmt: skip

@@ -1,18 +1,8 @@
 """Every control of the window explains itself, has a name for screen readers, and is worked by the keyboard alone."""
 
-from collections.abc import Callable
 from itertools import product
 
-import pytest
-from controls import (
-    accessible_name,
-    activate,
-    assert_side_by_side,
-    bring_to_front,
-    controls_of,
-    place_of,
-    takes_keyboard,
-)  # fmt: skip
+from controls import accessible_name, activate, assert_side_by_side, bring_to_front, controls_of, focusable, place_of
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
 
@@ -27,13 +17,10 @@ from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.scene_menu import scene_gallery
 
-PANELS = ("parameters", "plan", "record", "comparison", "lessons", "pixel", "water", "budget", "chart", "jobs")
-SIDE = ("parameters", "plan", "record")
-
 
 def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     window = viewer.window
-    for name in PANELS:
+    for name in viewer.panels:
         window.open_panel(name)
     for box in viewer.panels["parameters"].view.findChildren(SectionBox):
         box.unfold(True)
@@ -57,29 +44,24 @@ def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     assert all(tip and tip.endswith(".") for tip in tips)
     assert beam.toolTip().endswith(f"{beam.currentText()}: {tips[beam.currentIndex()]}")
     # Views, tabs and scroll areas have names too; a text is named by its words, and one without words says nothing.
-    own = (child for child in window.findChildren(QWidget) if takes_keyboard(child))
-    speaking = [child for child in own if not is_silent(child)]
-    kinds = {type(child).__name__ for child in speaking}
+    kinds = {type(child).__name__ for child in focusable(window)}
     assert {"WaterfallView", "RecordAView", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
     assert "QtInteractor" in kinds or not has_opengl()
-    assert [place_of(child) for child in speaking if not accessible_name(child)] == []
+    assert [place_of(child) for child in focusable(window) if not accessible_name(child)] == []
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))
 
 
-@pytest.mark.parametrize(
-    ("bounds", "slider", "text"),
-    [
-        ((1e3, 2e6), (5e4, 1.2e6), "carrier frequency (Hz; 1 kHz to 2 MHz)"),
-        ((0.0, None), (5e4, 1.2e6), "carrier frequency (Hz; slider from 50 kHz to 1.2 MHz)"),
-        ((0.0, None), None, "carrier frequency (Hz; from 0 Hz)"),
-        ((None, 10.0), None, "carrier frequency (Hz; up to 10 Hz)"),
-        ((None, None), None, "carrier frequency (Hz; any number)"),
-    ],
-)
-def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_unit_says_so(bounds, slider, text):
+def test_a_range_is_that_of_the_bounds_or_of_the_slider_and_a_number_without_unit_says_so():
     words = ("sonar.frequency", "frequency", "carrier frequency", "Hz")
-    number = NumberField(*words, 0, 4e5, slider, log=True, integer=False, bounds=bounds)
-    assert number.about == text
+    for bounds, slider, text in (
+        ((1e3, 2e6), (5e4, 1.2e6), "1 kHz to 2 MHz"),
+        ((0.0, None), (5e4, 1.2e6), "slider from 50 kHz to 1.2 MHz"),
+        ((0.0, None), None, "from 0 Hz"),
+        ((None, 10.0), None, "up to 10 Hz"),
+        ((None, None), None, "any number"),
+    ):
+        number = NumberField(*words, 0, 4e5, slider, log=True, integer=False, bounds=bounds)
+        assert number.about == f"carrier frequency (Hz; {text})"
     number = NumberField("seed", "seed", "seed", "", 0, 1, None, log=False, integer=True, bounds=(0, 9))
     assert number.about == "seed (no unit; 0 to 9)"
 
@@ -117,18 +99,11 @@ def test_links_are_followed_by_the_keyboard_and_space_acts_on_what_has_it(viewer
     assert (line.text(), window.pause.isChecked()) == ("beam width", paused)
 
 
-@pytest.fixture
-def _large_text(qapp):
-    """Text twice as large as usual, as a system or the menu may ask for."""
-    usual = qapp.font()
+def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
+    usual = qapp.font().pointSizeF()
     enlarge_text(qapp, 200)
-    assert qapp.font().pointSizeF() == 2.0 * usual.pointSizeF()
-    yield
-    qapp.setFont(usual)
-
-
-@pytest.mark.usefixtures("_large_text")
-def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
+    assert qapp.font().pointSizeF() == 2.0 * usual
+    viewer = open_viewer(small)
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
@@ -164,25 +139,13 @@ def test_large_text_has_room_and_fits_a_window(viewer, qtbot, qapp):
             assert field.mapTo(window, field.rect().bottomRight()).x() < width, "it scrolls sideways"
 
 
-DIALOGS: dict[str, Callable[[QWidget], QWidget]] = {
-    "about": AboutDialog,
-    "keys": lambda window: KeysDialog(window, window.menus.all),
-    "gallery": scene_gallery,
-    "new scene": NewScene,
-    "data set": lambda window: DatasetQuestion(["mines"], sections_of(load_scene("default")), window),
-    "survey": lambda window: SurveyQuestion(load_scene("default"), window),
-}
-
-MOST = 400  # more than any window has controls
-
-
 def walk(window: QWidget, qtbot) -> set[QWidget]:
     """Press Tab until the keyboard comes round, and return every widget that had it."""
     qtbot.waitUntil(window.isActiveWindow)
     qtbot.keyClick(window, Qt.Key.Key_Tab)
     first = QApplication.focusWidget()
     reached: set[QWidget] = {first}
-    for _ in range(MOST):
+    for _ in range(400):  # more than any window has controls
         qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
         focus = QApplication.focusWidget()
         if focus is first and len(reached) > 1:
@@ -191,51 +154,40 @@ def walk(window: QWidget, qtbot) -> set[QWidget]:
     return reached
 
 
-def assert_reached(top: QWidget, window: QWidget, qtbot) -> set[QWidget]:
-    """Check that Tab reaches every control below a widget of a window that is shown and enabled."""
+def find_walked(top: QWidget, window: QWidget, qtbot) -> set[QWidget]:
+    """Find the shown and enabled controls below a widget; check that Tab reaches them all and that all have names."""
     wanted = {child for child in controls_of(top) if child.isVisible() and child.isEnabled()}
     assert [place_of(child) for child in wanted - walk(window, qtbot)] == []
+    assert [place_of(child) for child in wanted | focusable(top) if not accessible_name(child)] == []
     return wanted
-
-
-def assert_walked(window: QWidget, qtbot) -> set[QWidget]:
-    """Check that Tab reaches every control of a window, all of which have names."""
-    wanted = assert_reached(window, window, qtbot)
-    assert wanted
-    speaking = wanted | {child for child in window.findChildren(QWidget) if takes_keyboard(child)}
-    assert [place_of(child) for child in speaking if not accessible_name(child) and not is_silent(child)] == []
-    return wanted
-
-
-def is_silent(widget: QWidget) -> bool:
-    """Whether a widget is a text without words."""
-    return isinstance(widget, QLabel) and not widget.text()
 
 
 def test_tab_reaches_every_control_in_view_of_an_opened_panel_a_window_and_a_dialog(viewer, qtbot):
     window = viewer.window
     activate(window, qtbot)
-    for panel in SIDE:
+    for panel in ("parameters", "plan", "record"):
         bring_to_front(window, panel)
-        kinds = {type(child).__name__ for child in assert_walked(window, qtbot)}
+        kinds = {type(child).__name__ for child in find_walked(window, window, qtbot)}
         assert {"QToolButton", "QComboBox", "_Slider", "QLineEdit"} <= kinds
-    activate(viewer.window, qtbot)
     for name in ("water", "lessons", "pixel", "comparison", "record"):
         viewer.window.open_panel(name)
         panel = viewer.panels[name].view.contacts if name == "record" else viewer.panels[name].widget
         qtbot.waitUntil(panel.isVisible)
-        assert assert_reached(panel, viewer.window, qtbot) or name != "record"
+        assert find_walked(panel, viewer.window, qtbot) or name != "record"
     for name in ("chart", "jobs"):
         viewer.window.open_panel(name)
         window = viewer.panels[name].widget
         activate(window, qtbot)
-        assert_walked(window, qtbot)
+        assert find_walked(window, window, qtbot)
         window.close()
-    for make in DIALOGS.values():
-        dialog = make(viewer.window)
+    window, scene = viewer.window, load_scene("default")
+    dialogs = [make(window) for make in (AboutDialog, scene_gallery, NewScene)]
+    dialogs += [KeysDialog(window, window.menus.all), SurveyQuestion(scene, window)]
+    dialogs.append(DatasetQuestion(["mines"], sections_of(scene), window))
+    for dialog in dialogs:
         dialog.show()
         activate(dialog, qtbot)
-        assert_walked(dialog, qtbot)
+        assert find_walked(dialog, dialog, qtbot)
         qtbot.keyClick(dialog, Qt.Key.Key_Escape)
         assert not dialog.isVisible()
         if isinstance(dialog, FolderQuestion):

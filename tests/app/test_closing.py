@@ -17,7 +17,7 @@ from PySide6.QtCore import QObject, Qt
 from shiboken6 import delete
 from stand_in import StandIn
 
-from commands import PATIENCE, output_of, run_python
+from commands import PATIENCE, run_python
 from insonify.io.contacts import Contact, read_contacts, write_contacts
 from insonify.scene import SceneError, edit
 from insonify_viewer import application
@@ -109,16 +109,6 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(small, qapp, mon
     assert gc.isenabled()
 
 
-def test_no_worker_imports_modules_of_qt():
-    """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
-    code = (
-        "import sys; from insonify_viewer.seabed.controller import load_qt_modules; load_qt_modules(); "
-        "known = set(sys.modules); import pyvistaqt; "
-        "print(*(m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')))"
-    )
-    assert output_of("-c", code) == []
-
-
 def test_reports_that_wait_are_passed_on_as_one():
     calls = []
     told = []
@@ -138,7 +128,7 @@ def test_reports_that_wait_are_passed_on_as_one():
 
 
 OPENED = """
-import sys
+import atexit
 from insonify.scene import load_scene
 from insonify_viewer.application import has_opengl, make_application
 from insonify_viewer.viewer import Viewer
@@ -146,16 +136,26 @@ application = make_application()
 viewer = Viewer(load_scene("default"), accelerated=has_opengl())
 viewer.window.show()
 application.processEvents()
-loaded = sorted({"numba", "pyvista", "matplotlib", "xarray", "pandas"} & set(sys.modules))
-viewer.window.close()
-sys.exit(f"loaded {loaded}" if loaded else 0)
+atexit.register(viewer.window.close)
 """
 
 
-def test_the_window_opens_before_kernels_and_three_dimensions_are_loaded():
-    """Numba alone takes a third of a second to import."""
-    code, _, errors = run_python("-c", OPENED, timeout=PATIENCE)
-    assert (code, errors) == (0, "")
+@pytest.mark.parametrize(
+    ("before", "work", "libraries"),
+    [
+        ("", "from insonify.cli import build_parser; build_parser()", ("PySide6", "pyvista", "vtkmodules")),
+        ("", OPENED, ("numba", "pyvista", "matplotlib", "xarray", "pandas")),  # Numba alone takes a third of a second
+        # PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once.
+        ("from insonify_viewer.seabed.controller import load_qt_modules as load; load()", "import pyvistaqt",
+         ("PySide6", "qtpy", "shiboken6")),
+    ],
+    ids=["command", "window", "worker"],
+)  # fmt: skip
+def test_libraries_are_not_loaded_before_they_are_needed(before, work, libraries):
+    """Neither a window by the command, kernels and three dimensions by a window, nor Qt by a worker."""
+    modules = f"{{name.split('.')[0] for name in set(sys.modules) - known}} & set({libraries})"
+    code = f"import sys\n{before}\nknown = set(sys.modules)\n{work}\nprint(*{modules})"
+    assert run_python("-c", code, timeout=PATIENCE) == (0, "\n", "")
 
 
 class Node:
@@ -275,32 +275,20 @@ def test_a_killed_window_loses_no_edit_older_than_5_s_nor_a_contact_though_the_s
     assert not [line for line in said if line.startswith("ALTITUDE")], "no scene is opened"
 
 
-@pytest.fixture
-def recovery():
-    made = Recovery()
-    yield made
-    made.close()
-
-
-def test_work_of_a_window_that_runs_is_not_offered_and_one_that_closes_leaves_nothing(recovery, small):
-    recovery.keep(small, (FISH,))
-    other = Recovery()
-    assert other.find_left() is None
+def test_unsaved_work_is_bounded_offered_after_a_crash_alone_and_removed_by_closing(small, monkeypatch):
+    recovery, other = Recovery(), Recovery()
+    folder = recovery._folder
+    for scene, contacts, suffixes in (
+        (small, (FISH,), [".geojson", ".toml"]),
+        (small, (), [".toml"]),
+        (None, (FISH,), [".geojson"]),
+        (edit(small, {"seed": 5}), (), [".toml"]),
+    ):
+        recovery.keep(scene, contacts)
+        assert sorted(path.suffix for path in folder.iterdir()) == sorted([*suffixes, ".lock", ".lock"])
+        assert other.find_left() is None, "its window runs"
     other.close()
-    folder = recovery._folder
-    names = lambda: sorted(path.suffix for path in folder.iterdir())  # noqa: E731
-    assert names() == [".geojson", ".lock", ".toml"]
-    recovery.keep(small, ())
-    assert names() == [".lock", ".toml"]
-    recovery.keep(None, (FISH,))
-    assert names() == [".geojson", ".lock"]
-    recovery.keep(edit(small, {"seed": 5}), ())
-    recovery.close()
-    assert list(folder.iterdir()) == []
-
-
-def test_what_cannot_be_read_is_removed(recovery):
-    folder = recovery._folder
+    # What cannot be read is removed.
     (folder / "unsaved-0-bad.toml").write_text("no scene [")
     write_contacts(folder / "unsaved-0-bad.geojson", [FISH])
     left = recovery.find_left()
@@ -310,13 +298,12 @@ def test_what_cannot_be_read_is_removed(recovery):
     (folder / "unsaved-0-bad.geojson").write_text("no contacts")
     assert recovery.find_left() is None
     assert not (folder / "unsaved-0-bad.geojson").exists()
-
-
-def test_what_is_kept_of_contacts_is_bounded_and_little_is_lost(recovery, monkeypatch):
     assert INTERVAL < 4.0, "and a second to write"
     monkeypatch.setattr("insonify_viewer.window.recovery.MOST_CONTACTS", 4)
     monkeypatch.setattr("insonify_viewer.window.recovery.MOST_PICTURES", 5)
     recovery.keep(None, tuple(replace(FISH, name=str(number), snapshot=b"12") for number in range(6)))
-    (file,) = recovery._folder.glob("*.geojson")
+    (file,) = folder.glob("*.geojson")
     kept = read_contacts(file)
     assert [(each.name, each.snapshot) for each in kept] == [("2", b""), ("3", b""), ("4", b"12"), ("5", b"12")]
+    recovery.close()
+    assert list(folder.iterdir()) == []

@@ -135,7 +135,7 @@ def colour(viewer, share: float = 0.75) -> int:
     return int(viewer.window.waterfall.grab().toImage().pixel(middle(viewer, share)) & 0xFF00)
 
 
-def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compared, qtbot):
+def test_a_kept_record_stays_while_the_scene_changes_and_is_shown_by_a_key_and_beside_it(compared, qtbot):
     kept = compared.comparison.kept
     assert kept.scene == edit(compared.session.scene, DARK)
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
@@ -148,28 +148,7 @@ def test_a_kept_record_stays_while_the_scene_changes_and_has_its_display(compare
     shown = compared.panels["comparison"].view.changes.text()
     assert "0.2 → 0.4" in shown
     assert "+6 dB" in shown
-    # Both are named where they stand side by side.
-    views = compared.window.record_a, compared.window.waterfall
-    assert [view._title for view in views] == ["", ""]
-    compared.comparison.arrange(Arrangement.BESIDE)
-    assert [view._title for view in views] == ["A  material diffuse 0.2", "B  material diffuse 0.4"]
-    compared.session.settle({"seabed.material.diffuse": 0.5})
-    assert views[1]._title == "B  material diffuse 0.5"
-    compared.comparison.arrange(Arrangement.ALONE)
-    assert [view._title for view in views] == ["", ""]
-    window = compared.window
-    window.gain.setValue(60)
-    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
-    choose(window.palettes, "grey")
-    compared.session.show(ground_range=True, side="starboard")
-    one, other = window.record_a.tone_map, window.waterfall.tone_map
-    assert one.ends == other.ends
-    np.testing.assert_array_equal(one.table, other.table)
-    window.waterfall.grab()
-    assert window.record_a.projection.axis == window.waterfall.projection.axis
-
-
-def test_the_key_works_wherever_the_keyboard_is_but_where_text_is_typed(compared, qtbot):
+    # A key shows it wherever the keyboard is but where text is typed.
     window = compared.window
     activate(window, qtbot)
     window.open_panel("lessons")
@@ -201,6 +180,25 @@ def test_the_key_works_wherever_the_keyboard_is_but_where_text_is_typed(compared
         QTest.keyRelease(line, Qt.Key.Key_X)
         assert "x" in line.text()
         line.undo()
+    # Both are named where they stand side by side.
+    views = window.record_a, window.waterfall
+    assert [view._title for view in views] == ["", ""]
+    compared.comparison.arrange(Arrangement.BESIDE)
+    assert [view._title for view in views] == ["A  material diffuse 0.2", "B  material diffuse 0.4"]
+    compared.session.settle({"seabed.material.diffuse": 0.5})
+    assert views[1]._title == "B  material diffuse 0.5"
+    compared.comparison.arrange(Arrangement.ALONE)
+    assert [view._title for view in views] == ["", ""]
+    # It has the display of B.
+    window.gain.setValue(60)
+    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
+    choose(window.palettes, "grey")
+    compared.session.show(ground_range=True, side="starboard")
+    one, other = window.record_a.tone_map, window.waterfall.tone_map
+    assert one.ends == other.ends
+    np.testing.assert_array_equal(one.table, other.table)
+    window.waterfall.grab()
+    assert window.record_a.projection.axis == window.waterfall.projection.axis
 
 
 def in_view(window, kind):

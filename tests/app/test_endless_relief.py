@@ -1,7 +1,6 @@
 """Heights of endless ground may take a second: the main thread never computes them."""
 
 import threading
-from typing import Any
 
 import numpy as np
 import pytest
@@ -46,31 +45,28 @@ def test_the_main_thread_never_sums_the_relief(open_viewer, qtbot, monkeypatch):
     qtbot.waitUntil(lambda: viewer._marks._point is not None and viewer._marks._point.mark == Mark(30, 0, 60))
 
 
-def spacings_of_dragged(viewer, qtbot, changes: dict[str, Any]) -> list[tuple[bool, float]]:
-    """Drag a value, release it, and return the accuracy and the spacing of the bed of every answer."""
-    answers: list[tuple[bool, float]] = []
-    viewer.simulator.answered.connect(lambda answer: answers.append((answer.fine, answer.simulation.ground.spacing)))
-    viewer.session.drag(changes)
-    qtbot.waitUntil(lambda: bool(answers))
-    viewer.session.settle(None, "moved")
-    qtbot.waitUntil(lambda: viewer.complete and answers[-1][0])
-    return answers
-
-
 def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):
     few = {"sonar.bins": 100, "sonar.range": 20.0, "track.pings": 64, "seabed.spacing": 0.4}
     scene = edit(load_scene("endless"), few | {"seabed.relief.of.1.wavelength": 8.0, "seed": 78})
-    viewer = open_viewer(scene, prepare=None)
-    grounds = []
-    viewer.simulator.answered.connect(lambda answer: grounds.append(answer.simulation.ground))
-    (coarse, *_, fine) = spacings_of_dragged(viewer, qtbot, {"seabed.relief.of.0.rms": 0.1})
-    assert coarse == (False, pytest.approx(4 * scene.seabed.spacing))
-    assert isinstance(grounds[0], EndlessExcerpt), "no more of it is made than the pings hear"
-    assert not isinstance(grounds[-1], EndlessExcerpt)
-    assert fine == (True, scene.seabed.spacing)
-    # Known ground is taken as it is.
-    for _, spacing in spacings_of_dragged(viewer, qtbot, {"sonar.beam.width": 1.5}):
-        assert spacing == scene.seabed.spacing
+    viewer, answers = open_viewer(scene, prepare=None), []  # accuracy and ground of each
+    viewer.simulator.answered.connect(lambda answer: answers.append((answer.fine, answer.simulation.ground)))
+
+    def drag(path: str, value: float) -> None:
+        """Drag a value and release it."""
+        answers.clear()
+        viewer.session.drag({path: value})
+        qtbot.waitUntil(lambda: bool(answers))
+        viewer.session.settle(None, "moved")
+        qtbot.waitUntil(lambda: viewer.complete and answers[-1][0])
+
+    drag("seabed.relief.of.0.rms", 0.1)
+    (is_fine, coarse), *_, (_, fine) = answers
+    assert (is_fine, coarse.spacing) == (False, pytest.approx(4 * scene.seabed.spacing))
+    assert isinstance(coarse, EndlessExcerpt), "no more of it is made than the pings need"
+    assert not isinstance(fine, EndlessExcerpt)
+    assert fine.spacing == scene.seabed.spacing
+    drag("sonar.beam.width", 1.5)
+    assert {ground.spacing for _, ground in answers} == {scene.seabed.spacing}, "known ground is taken as it is"
 
 
 def test_ground_is_thinned_as_far_as_its_waves_are_resolved_to_the_same_landscape():

@@ -53,16 +53,17 @@ def test_a_mistake_is_copied_with_its_circumstances_and_a_fault_of_an_explanatio
     assert QGuiApplication.clipboard().text().startswith("track.pings: 0 is too few")
     # A fault of an explanation is told.
     viewer.window.say("another sentence")
-
-    def fail(*_):
-        int(float("nan"))
-
     monkeypatch.setattr(pixel_controller, "_explained", fail)
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
         qtbot.waitUntil(viewer.window.status.copy.isVisible)
     assert ValueError in [kind for kind, *_ in printed]
     assert "in fail" in copied(viewer)
+
+
+def fail(*_):
+    """Raise an error in C."""
+    int(float("nan"))
 
 
 class Broken(StandIn):
@@ -84,45 +85,34 @@ def test_a_fault_of_core_slot_thread_or_job_is_one_sentence_and_the_window_lives
     assert "in intensity" in text
     viewer.window.say("another sentence")
 
-    def fail():
+    def miss():
         raise KeyError("no such thing")
-
-    with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        QTimer.singleShot(0, fail)
-        qtbot.waitUntil(viewer.window.status.copy.isVisible)
-    assert [kind for kind, *_ in printed] == [KeyError], "standard error tells of it as before"
-    assert "bug in insonify (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
-    assert "in fail" in copied(viewer)
-    assert viewer.session.settle({"track.altitude": 8.0})
-    qtbot.waitUntil(lambda: viewer.complete)
-    # A file that is damaged is no fault of the program; one in a thread beside the window is told once.
-    received = []
-
-    def fail_in_thread():
-        int(float("nan"))
-
-    def refuse():
-        raise SceneError("track.pings: 0 is too few; give at least 1")
-
-    def run(errand):
-        count = len(received)
-        viewer.simulator.executor.submit("test", errand, received.append)
-        qtbot.waitUntil(lambda: len(received) > count)
 
     def be_damaged():
         raise SceneError("tow.csv: has no rows; export it again")
 
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
+        QTimer.singleShot(0, miss)
+        qtbot.waitUntil(viewer.window.status.copy.isVisible)
+        assert "bug in insonify (KeyError: 'no such thing')" in viewer.window.status.sentence.text()
+        assert "in miss" in copied(viewer)
+        assert viewer.session.settle({"track.altitude": 8.0})
+        qtbot.waitUntil(lambda: viewer.complete)
+        # A file that is damaged is no fault of the program.
         QTimer.singleShot(0, be_damaged)
         qtbot.waitUntil(lambda: viewer.window.status.sentence.text() == "tow.csv: has no rows; export it again")
-    assert not printed
+    assert [kind for kind, *_ in printed] == [KeyError], "standard error has it as before"
+    # A fault in a thread beside the window is reported once, and again only after a success.
+    received = []
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
-        for errand in (refuse, fail_in_thread, fail_in_thread, lambda: 7, fail_in_thread):
-            run(errand)
+        for errand in (be_damaged, fail, fail, lambda: 7, fail):
+            count = len(received)
+            viewer.simulator.executor.submit("test", errand, received.append)
+            qtbot.waitUntil(lambda count=count: len(received) > count)
         assert received == [None, None, None, 7, None]
-        assert [kind for kind, *_ in printed] == [ValueError, ValueError], "again only after a success"
+        assert [kind for kind, *_ in printed] == [ValueError, ValueError]
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
-        assert "in fail_in_thread" in copied(viewer)
+        assert "in fail" in copied(viewer)
     # A job that failed or crashed offers its details.
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]

@@ -5,7 +5,6 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-import pytest
 from controls import answer_questions, drop
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QTextDocumentFragment
@@ -70,22 +69,24 @@ def test_a_mesh_and_a_bed_are_dropped_and_opened_again_after_a_question(viewer, 
     assert asked == [f"The scene “{small.title}” has changes that are not saved."] * 2
 
 
-@pytest.fixture
-def cast(tmp_path):
-    path = tmp_path / "cast.csv"
-    path.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
-    return path
-
-
-@pytest.fixture
-def tow(tmp_path):
-    path = tmp_path / "tow.csv"
-    path.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
-    return path
-
-
-def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, qtbot, cast, tow):
+def test_a_cast_and_navigation_are_dropped_opened_again_or_taken_by_a_field_and_others_refused(
+    open_viewer, small, qtbot, tmp_path, monkeypatch
+):
+    cast, tow, letter, sums = (tmp_path / name for name in ("cast.csv", "tow.csv", "letter.txt", "sums.csv"))
+    cast.write_text("depth,sound_speed\n0,1500\n10,1495\n40,1490\n", encoding="utf-8")
+    tow.write_text("time,x,y,heading\n" + "".join(f"{t},{2 * t},0,0\n" for t in range(31)), encoding="utf-8")
+    letter.write_text("x", encoding="utf-8")
+    sums.write_text("a,b\n1,2\n", encoding="utf-8")
     viewer = open_viewer(edit(small, {"water.absorption": 12.0, "sonar.ping_rate": 15.0}))
+    before = viewer.session.scene
+    drop(viewer.window, cast, tow)
+    assert said(viewer) == "2 files were dropped at once; drop one file at a time"
+    drop(viewer.window, letter)
+    assert said(viewer).startswith("letter.txt: cannot be opened by its suffix; give a scene")
+    drop(viewer.window, sums)
+    qtbot.waitUntil(lambda: "has no column time" in said(viewer))
+    assert viewer.session.scene == before
+    assert Settings().recent == []
     for attempt in (drop, lambda window, _: open_again(viewer, "cast.csv")):
         attempt(viewer.window, cast)
         qtbot.waitUntil(lambda: viewer.session.scene.water.kind == "cast")
@@ -94,8 +95,7 @@ def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, 
         assert viewer.window.undo.text() == "Undo: sound speed of cast.csv"
         assert Settings().recent == [str(cast)]
         viewer.session.undo()
-        assert viewer.session.scene.water.kind == "uniform"
-    before = viewer.session.scene
+        assert viewer.session.scene == before
     for attempt in (drop, lambda window, _: open_again(viewer, "tow.csv")):
         attempt(viewer.window, tow)
         qtbot.waitUntil(lambda: viewer.session.scene.track.motion.kind == "recorded")
@@ -105,40 +105,8 @@ def test_a_cast_and_navigation_are_dropped_and_opened_again(open_viewer, small, 
         assert Settings().recent == [str(tow), str(cast)]
         viewer.session.undo()
         assert viewer.session.scene == before
-
-
-@pytest.mark.parametrize("suffix", [".geojson", ".csv"])
-def test_contacts_are_dropped_and_opened_by_menu(viewer, tmp_path, suffix, monkeypatch):
-    path = tmp_path / f"found{suffix}"
-    write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
-    drop(viewer.window, path)
-    assert [each.name for each in viewer.contacts.all] == ["wreck", "rock"]
-    assert said(viewer) == f"2 contacts of found{suffix}"
-    assert viewer.window.undo.text() == f"Undo: open found{suffix}"
-    viewer.window.undo.trigger()
-    assert not viewer.contacts.all
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
-    next(action for action in viewer.window.menus.file.actions() if action.text() == "Open contacts…").trigger()
-    assert len(viewer.contacts) == 2
-    assert not viewer.window.isWindowModified()
-    viewer.contacts.remove(0)
-    assert viewer.window.isWindowModified()
-    open_again(viewer, path.name)
-    assert len(viewer.contacts) == 2
-
-
-def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qtbot, cast, tow, tmp_path, monkeypatch):
-    drop(viewer.window, cast, tow)
-    assert said(viewer) == "2 files were dropped at once; drop one file at a time"
-    (tmp_path / "letter.txt").write_text("x", encoding="utf-8")
-    drop(viewer.window, tmp_path / "letter.txt")
-    assert said(viewer).startswith("letter.txt: cannot be opened by its suffix; give a scene")
-    (tmp_path / "sums.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    drop(viewer.window, tmp_path / "sums.csv")
-    qtbot.waitUntil(lambda: "has no column time" in said(viewer))
-    assert viewer.session.scene == small
-    assert Settings().recent == []
     # One that a field takes over is among the recent ones.
+    Settings().forget_recent()
     settle = viewer.panels["parameters"]._settle
     for path, kind, file in (("water.kind", "cast", cast), ("track.motion.kind", "recorded", tow)):
         monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, file=file: (str(file), ""))
@@ -151,11 +119,10 @@ def test_a_file_is_refused_in_one_sentence_or_taken_by_a_field(viewer, small, qt
     assert len(Settings().recent) == 2, "what is not there is not among them"
 
 
-def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, small, tmp_path):
+def test_recent_scenes_and_contacts_are_opened_again_unless_they_vanished(viewer, small, tmp_path, monkeypatch):
     paths = [tmp_path / f"{name}.toml" for name in ("one", "two")]
     for number, path in enumerate(paths):
         path.write_text(scene_to_toml(edit(small, {"seed": number + 7})), encoding="utf-8")
-    for path in paths:
         drop(viewer.window, path)
     menu = viewer.window.recent
     menu.fill()
@@ -184,11 +151,28 @@ def test_recent_files_are_kept_up_to_an_end_and_vanished_ones_said_so(viewer, sm
     drop(viewer.window, path)
     assert viewer.session.scene.track.altitude == 6.5
     assert viewer.session.file == str(path)
+    # Contacts are among them, which the menu opens too.
+    for path in (tmp_path / "found.geojson", tmp_path / "found.csv"):
+        write_contacts(path, [Contact(name, "", "line.xtf", 3, "port", 12, 2.5) for name in ("wreck", "rock")])
+        drop(viewer.window, path)
+        assert [each.name for each in viewer.contacts.all] == ["wreck", "rock"]
+        assert said(viewer) == f"2 contacts of {path.name}"
+        assert viewer.window.undo.text() == f"Undo: open {path.name}"
+        viewer.window.undo.trigger()
+        assert not viewer.contacts.all
+        monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), ""))
+        next(action for action in viewer.window.menus.file.actions() if action.text() == "Open contacts…").trigger()
+        assert len(viewer.contacts) == 2
+        assert not viewer.window.isWindowModified()
+        viewer.contacts.remove(0)
+        assert viewer.window.isWindowModified()
+        open_again(viewer, path.name)
+        assert len(viewer.contacts) == 2
+        viewer.session.undo(3)
 
 
 SHOWN = "<img src=x> R&D &amp; <b>loud"  # a name of a file as well: without a slash
 HOSTILE = f"\x1b]0;owned\x07\u202e{SHOWN}[*]\u2066"
-MARK = "img src"
 OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
@@ -221,57 +205,43 @@ def shown_texts(top: QWidget) -> list[tuple[str, str]]:
     return found
 
 
-def list_recent_files(viewer, tmp_path):
-    """List a file among the recent ones."""
-    viewer.window.settings.add_recent(str(tmp_path / f"{HOSTILE}.toml"))
-    viewer.window.recent.fill()
-
-
-def open_contacts(viewer, tmp_path):
-    """Open a file of contacts, change one, and remove it: the history names it."""
-    point = {"ping": 3, "side": "port", "range_bin": 40, "slant_range": 9.0}
-    write_contacts(tmp_path / "contacts.csv", [Contact(name=HOSTILE, note=HOSTILE, source=HOSTILE, **point)] * 2)
-    viewer.contacts.open(read_contacts(tmp_path / "contacts.csv"), "contacts.csv")
-    viewer.contacts.edit(0, "note", "a rock")
-    viewer.contacts.remove(1)
-
-
-def keep_as_a(viewer, tmp_path):
-    """Keep the record as A, beside which B is changed."""
-    viewer.comparison.keep()
-    viewer.session.settle({"track.altitude": 7.0})
-
-
-def open_a_recording(viewer, tmp_path):
-    """Open a record from a file with such a name."""
-    path = tmp_path / f"{HOSTILE}.nc"
-    write_record(path, [simulate(edit(viewer.session.scene, {"track.pings": 4})).assign_attrs(title=HOSTILE)])
-    viewer.recordings.open(str(path))
-
-
-CASES = [  # with the number of texts that each adds to those that are shown
-    (lambda *_: None, 4),  # the title of the scene is in the title of the window
-    (lambda viewer, _: viewer.window.status.say(f"{HOSTILE}: does not exist", lasting=True), 2),
-    (list_recent_files, 2),
-    (open_contacts, 4),
-    (keep_as_a, 1),
-    (open_a_recording, 2),
-    (lambda viewer, _: viewer.jobs.begin_work(f"chart of {HOSTILE}", lambda report: None), 2),
-]
-
-
 def test_text_of_files_is_shown_as_it_is(open_viewer, small, tmp_path, qtbot):
-    viewer, before = open_viewer(edit(small, {"title": HOSTILE, "description": HOSTILE})), set()
-    for show, texts in CASES:
-        show(viewer, tmp_path)
+    viewer, known = open_viewer(edit(small, {"title": HOSTILE, "description": HOSTILE})), set()
+
+    def assert_plain(more: int) -> None:
+        """Check all texts that are shown, at least so many more than before."""
         qtbot.waitUntil(lambda: viewer.complete)
         qtbot.wait(50)
-        marked = {(where, text) for where, text in shown_texts(viewer.window) if MARK in text}
-        assert len(marked - before) >= texts, marked
+        marked = {(where, text) for where, text in shown_texts(viewer.window) if "img src" in text}
+        assert len(marked - known) >= more, marked
         for where, text in marked:
             assert SHOWN in text, where
             assert not OBEYED.search(text), where
-        before = marked
+        known.clear()
+        known.update(marked)
+
+    assert_plain(4)  # the title of the scene is in the title of the window
+    viewer.window.status.say(f"{HOSTILE}: does not exist", lasting=True)
+    assert_plain(2)
+    viewer.window.settings.add_recent(str(tmp_path / f"{HOSTILE}.toml"))
+    viewer.window.recent.fill()
+    assert_plain(2)
+    # A contact is changed, and another one removed: the history names it.
+    contact = Contact(HOSTILE, HOSTILE, HOSTILE, 3, "port", 40, 9.0)
+    write_contacts(tmp_path / "contacts.csv", [contact, contact])
+    viewer.contacts.open(read_contacts(tmp_path / "contacts.csv"), "contacts.csv")
+    viewer.contacts.edit(0, "note", "a rock")
+    viewer.contacts.remove(1)
+    assert_plain(4)
+    viewer.comparison.keep()
+    viewer.session.settle({"track.altitude": 7.0})
+    assert_plain(1)
+    path = tmp_path / f"{HOSTILE}.nc"
+    write_record(path, [simulate(edit(viewer.session.scene, {"track.pings": 4})).assign_attrs(title=HOSTILE)])
+    viewer.recordings.open(str(path))
+    assert_plain(2)
+    viewer.jobs.begin_work(f"chart of {HOSTILE}", lambda report: None)
+    assert_plain(2)
 
 
 def test_text_of_files_is_made_plain_in_a_question_and_in_declared_words(small, qapp, monkeypatch):
@@ -285,7 +255,6 @@ def test_text_of_files_is_made_plain_in_a_question_and_in_declared_words(small, 
     assert SHOWN in rich(asked[0])
     assert not OBEYED.search(asked[0])
     assert edit(small, {"title": HOSTILE}).title == "]0;owned" + SHOWN + "[*]"
-    page = SurveySpecification.model_validate(
-        {"base": "default", "title": HOSTILE, "lines": [{"start": [0, 0], "end": [9, 0]}]}
-    )
+    lines = [{"start": [0, 0], "end": [9, 0]}]
+    page = SurveySpecification.model_validate({"base": "default", "title": HOSTILE, "lines": lines})
     assert not OBEYED.search(page.title)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -25,13 +26,7 @@ ROLE = Qt.ItemDataRole.UserRole
 @pytest.fixture
 def hand():
     """Do what a person does with mouse and keys, and count it: a click, a drag, a key, or a typed line is one."""
-
-    def do(act: Callable[..., Any], *given: Any):
-        do.actions += 1
-        act(*given)
-
-    do.actions = 0
-    return do
+    return Mock(side_effect=lambda act, *given: act(*given))
 
 
 @pytest.fixture
@@ -63,8 +58,24 @@ def when_it_opens(
     look()
 
 
-def test_another_scene_gives_its_record(viewer, hand, qtbot):
-    window = viewer.window
+def test_a_picture_is_saved_and_another_scene_gives_its_record(viewer, hand, qtbot, tmp_path):
+    window, path = viewer.window, tmp_path / "mine.png"
+
+    def name(dialog):
+        line = dialog.findChild(QLineEdit)
+        assert dialog.focusWidget() is line, "it takes what is typed at once"
+        line.setCompleter(None)  # its list comes up at once or a moment later, and would take the key
+        line.selectAll()
+        hand(QTest.keyClicks, line, str(path))
+        hand(QTest.keyClick, line, Qt.Key.Key_Return)
+
+    when_it_opens(QFileDialog, name)
+    hand(QTest.keyClick, window, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(path.exists)
+    assert not QImage(str(path)).isNull()
+    assert hand.call_count <= MOST
+    # The window is as it opened.
+    hand.reset_mock()
 
     def show_pictures(menu):
         hand(click, menu, menu.actionGeometry(window.scenes.pictures).center())
@@ -82,11 +93,11 @@ def test_another_scene_gives_its_record(viewer, hand, qtbot):
     hand(click, pictures.viewport(), pictures.visualItemRect(item).center())
     assert viewer.session.scene == load_scene("pipe-on-bed")
     qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
-    assert hand.actions <= MOST
+    assert hand.call_count <= MOST
 
 
-def test_a_target_is_moved(viewer, hand, qtbot):
-    before, record = viewer.session.scene.targets, viewer.window.waterfall
+def test_a_target_is_moved_and_a_shadow_explained(viewer, hand, qtbot):
+    before, record, panel = viewer.session.scene.targets, viewer.window.waterfall, viewer.panels["pixel"]
     hand(QTest.keyClick, record, Qt.Key.Key_Space)
     assert not viewer.tow.running
     # The handle nearest to the middle of the record.
@@ -97,30 +108,6 @@ def test_a_target_is_moved(viewer, hand, qtbot):
     moved = [a.position != b.position for a, b in zip(before, viewer.session.scene.targets)]
     assert moved.count(True) == 1
     qtbot.waitUntil(lambda: viewer.complete)
-    assert hand.actions <= MOST
-
-
-def test_a_picture_is_saved(viewer, hand, qtbot, tmp_path):
-    path = tmp_path / "mine.png"
-
-    def name(dialog):
-        line = dialog.findChild(QLineEdit)
-        assert dialog.focusWidget() is line, "it takes what is typed at once"
-        line.setCompleter(None)  # its list comes up at once or a moment later, and would take the key
-        line.selectAll()
-        hand(QTest.keyClicks, line, str(path))
-        hand(QTest.keyClick, line, Qt.Key.Key_Return)
-
-    when_it_opens(QFileDialog, name)
-    hand(QTest.keyClick, viewer.window, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(path.exists)
-    assert not QImage(str(path)).isNull()
-    assert hand.actions <= MOST
-
-
-def test_a_shadow_is_explained(viewer, hand, qtbot):
-    record, panel = viewer.window.waterfall, viewer.panels["pixel"]
-    hand(QTest.keyClick, record, Qt.Key.Key_Space)
     # The middle of the longest shadow on screen.
     pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
     shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
@@ -130,7 +117,7 @@ def test_a_shadow_is_explained(viewer, hand, qtbot):
     qtbot.waitUntil(lambda: panel.complete, timeout=240000)
     assert panel.view.isVisible()
     assert "shadow of" in panel.view.summary.text()
-    assert hand.actions <= MOST
+    assert hand.call_count <= MOST
 
 
 def begin(viewer):

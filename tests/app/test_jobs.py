@@ -1,7 +1,6 @@
 """Jobs beside the window: begun, followed and stopped, also by the keyboard alone, with nothing half-written."""
 
 import math
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -37,21 +36,6 @@ def advanced(job: CommandJob) -> bool:
     return job.stage.unit == "ping" and job.stage.done > 0.0
 
 
-def test_everything_is_prepared_as_a_job(viewer, qtbot, monkeypatch):
-    traced = []
-
-    def note(scene, modelling, pings):
-        """Two pings, for a difference of a parameter may be at work beside the job."""
-        traced.append(scene.title)
-        return np.ones((len(pings), 2, scene.sonar.bins), dtype=np.float32)
-
-    monkeypatch.setattr(viewer.simulator, "trace_beside", note)
-    viewer.window.prepare_all.trigger()
-    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
-    assert viewer.jobs.jobs[0].state is State.DONE
-    assert {load_scene(file).title for file in bundled_scenes().values()} <= set(traced)
-
-
 def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp_path):
     write_modules(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -61,7 +45,23 @@ def test_a_command_imports_nothing_of_the_current_folder(monkeypatch, qtbot, tmp
     assert (job.state, traces(tmp_path)) == (State.DONE, set())
 
 
-def test_a_record_and_a_picture_are_as_in_the_window_and_a_data_set_is_stopped(viewer, small, qtbot, tmp_path):
+def test_a_job_prepares_all_scenes_stops_with_its_workers_and_writes_what_the_window_shows(
+    viewer, small, qtbot, tmp_path, monkeypatch
+):
+    traced = []
+
+    def note(scene, modelling, pings):
+        """Two pings, for a difference of a parameter may be at work beside the job."""
+        traced.append(scene.title)
+        return np.ones((len(pings), 2, scene.sonar.bins), dtype=np.float32)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(viewer.simulator, "trace_beside", note)
+        viewer.window.prepare_all.trigger()
+        qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
+    assert viewer.jobs.jobs[0].state is State.DONE
+    assert {load_scene(file).title for file in bundled_scenes().values()} <= set(traced)
+    # A record is as in the window.
     viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
     job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
@@ -170,20 +170,13 @@ def fill(question: DatasetQuestion, folder: Path, name: str, **ranges: tuple[str
 
 def test_the_bar_shortens_the_title_keeps_the_time_left_and_is_worked_by_keys(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
-    going = threading.Event()
-
-    def work(report):
-        while not going.wait(0.01):
-            report(0.4)
-
-    viewer.jobs.begin_work(f"chart of {' '.join(30 * ['balls'])}", work)
-    bar = viewer.window.jobs
+    chart, bar = begin_waiting(viewer, f"chart of {' '.join(30 * ['balls'])}"), viewer.window.jobs
     qtbot.waitUntil(lambda: "left" in bar.format())
     words = bar.text()
     assert words.startswith("chart of balls")
     assert "…: 40 %, " in words
     assert bar.fontMetrics().horizontalAdvance(words) <= bar.width()
-    going.set()
+    chart.stop()
     qtbot.waitUntil(lambda: not bar.isVisible())
     # It opens the list, and stops the newest.
     activate(viewer.window, qtbot)

@@ -16,6 +16,7 @@ import insonify_viewer
 from insonify.display.range_axis import SLANT, make_range_axis
 from insonify.files import bundled_lessons
 from insonify.scene import bundled_scenes, edit, load_scene, scene_from_toml
+from insonify_viewer.application import enlarge_text
 from insonify_viewer.panels.panel import Entry
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
@@ -30,7 +31,6 @@ from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 
 @pytest.mark.parametrize("name", scenes_by_rows())
 def test_no_row_is_cut_off(name, qtbot, qapp):
-    apply_theme(qapp)
     view = ParametersView()
     qtbot.addWidget(view)
     view.show_sections(sections_of(load_scene(name)))
@@ -51,7 +51,6 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
 
 
 def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
-    apply_theme(qapp)
     combo = Combo()
     qtbot.addWidget(combo)
     combo.addItems(["MMMMM", "HHHHH"])
@@ -72,17 +71,11 @@ def test_the_entry_under_the_mouse_can_be_read(qtbot, qapp):
 @pytest.mark.parametrize("theme", [Theme.DARK, Theme.LIGHT])
 def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp):
     apply_theme(qapp, theme)
-    usual, large = qapp.font(), qapp.font()
-    large.setPointSizeF(scale * usual.pointSizeF())
-    qapp.setFont(large)
-    try:
-        combo = Combo()
-        qtbot.addWidget(combo)
-        combo.show()
-        image = combo.grab().toImage()
-    finally:
-        qapp.setFont(usual)
-        apply_theme(qapp)
+    enlarge_text(qapp, 100 * scale)
+    combo = Combo()
+    qtbot.addWidget(combo)
+    combo.show()
+    image = combo.grab().toImage()
     columns, rows = image.width(), range(5, image.height() - 5)
     ground = image.pixelColor(columns // 2, image.height() // 2).lightness()
     ink = [
@@ -192,7 +185,7 @@ def entries(menu: QMenu) -> list[QAction]:
     return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
 
 
-def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_commands(viewer, qtbot, monkeypatch):
+def test_tools_fit_the_window_and_stand_in_menus_with_their_keys_which_are_all_listed(viewer, qtbot, monkeypatch):
     window = viewer.window
     bar = window.findChild(QToolBar)
     assert bar.sizeHint().width() <= 900
@@ -212,13 +205,11 @@ def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_comma
     assert len(tools) >= 8
     assert set(tools) <= listed
     assert all(menu.actions() for menu in menus)
-    # No key stands for two commands.
-    keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
-    del keys[""]
-    assert [key for key, times in keys.items() if times > 1] == []
     # The words about the program are copied.
     next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
-    qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
+    about = window.findChild(AboutDialog)
+    qtbot.mouseClick(about.copy, Qt.MouseButton.LeftButton)
+    about.close()
     copied = QGuiApplication.clipboard().text()
     assert f"insonify {version('insonify')}" in copied
     assert "MIT licence" in copied
@@ -230,10 +221,10 @@ def test_tools_fit_the_window_and_stand_in_menus_and_no_key_is_that_of_two_comma
     window.fit_screen()
     assert window.frameGeometry().size().boundedTo(room.size()) == window.frameGeometry().size()
     assert window.statusBar().isVisible()
-
-
-def test_a_key_of_a_command_in_a_menu_works_and_every_key_is_listed(viewer, qtbot):
-    window = viewer.window
+    # A key of a command in a menu works and stands for no other one, and every key is listed.
+    keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
+    del keys[""]
+    assert [key for key, times in keys.items() if times > 1] == []
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())

@@ -12,8 +12,6 @@ from insonify.display.display_options import DisplayOptions
 from insonify.scene import SceneError, edit, load_scene
 from insonify_viewer.state.playlist import Preset, read_playlist, write_playlist
 
-ROOT = Path(__file__).parents[2]
-
 
 def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer, small, qtbot, tmp_path, monkeypatch):
     window, session = viewer.window, viewer.session
@@ -80,7 +78,8 @@ def test_a_playlist_is_read_as_it_was_written(tmp_path):
     write_playlist(tmp_path / "a.toml", presets)
     assert read_playlist(tmp_path / "a.toml") == presets
     # The playlist of the documentation is one.
-    (shown,) = re.findall(r"```toml\n(.*?)```", (ROOT / "docs/howto/view.md").read_text(encoding="utf-8"), re.DOTALL)
+    page = (Path(__file__).parents[2] / "docs/howto/view.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (tmp_path / "a.toml").write_text(shown, encoding="utf-8")
     assert read_playlist(tmp_path / "a.toml")[1].scene.track.altitude == 5.0
 

@@ -1,6 +1,7 @@
 """The lessons' panel in a window: steps are noticed, fields are lit, and scenes follow."""
 
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -39,9 +40,7 @@ done = "sonar.range >= 60"
 ```
 
 Look for: more bed.
-
 Question: How much?
-
 Answer: 10 m.
 
 ## Accept an error
@@ -54,9 +53,7 @@ done = "plan.tolerance >= 0.2"
 ```
 
 Look for: a faster record.
-
 Question: How fast?
-
 Answer: Faster.
 
 ## Point at the pipe
@@ -71,32 +68,35 @@ done = 'point.side == "port" and point.slant_range > 20'
 ```
 
 Look for: a cross.
-
 Question: Where?
-
 Answer: There.
 """
 
 
-def offer(monkeypatch, *lessons: Lesson):
-    """Let the panel offer these lessons alone."""
-    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: lessons)
+MISTAKES = '[{ value = "sonar.range", because = "Slant range is no distance on the bed." }]'
+CHOICES = '[{ text = "Faster", right = true }, { text = "Slower", because = "Fewer planes are traced." }]'
+ASKING = LESSON.replace('>= 60"\n', f'>= 60"\nask = {{ value = "swath()", unit = "m", mistakes = {MISTAKES} }}\n')
+ASKING = ASKING.replace('>= 0.2"\n', f'>= 0.2"\nask.choices = {CHOICES}\n')
+RANGE = parse_lesson(LESSON, "range")
+ASKED = parse_lesson(ASKING, "range"), parse_lesson(LESSON.replace("Range", "Another", 1), "another")
 
 
 @pytest.fixture
-def lessons(monkeypatch):
-    offer(monkeypatch, parse_lesson(LESSON, "range"))
+def open_lessons(open_viewer, small, qtbot, monkeypatch):
+    """Open a viewer with its panel of lessons, which may offer some lessons alone; its first may be started."""
 
+    def open_panel(*offered: Lesson, started: bool = False) -> tuple[Any, Any]:
+        if offered:
+            monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: offered)
+        viewer = open_viewer(small)
+        viewer.window.open_panel("lessons")
+        panel = viewer.panels["lessons"]
+        qtbot.waitUntil(panel.view.isVisible)
+        if started:
+            finish(viewer, qtbot, panel.view.list.start.click)
+        return viewer, panel
 
-def opened(open_viewer, scene, qtbot, *, started: bool = False) -> tuple[Any, Any]:
-    """A viewer whose panel of lessons is open, with its view; its first lesson may be started."""
-    viewer = open_viewer(scene)
-    viewer.window.open_panel("lessons")
-    panel = viewer.panels["lessons"]
-    qtbot.waitUntil(panel.view.isVisible)
-    if started:
-        finish(viewer, qtbot, panel.view.list.start.click)
-    return viewer, panel
+    return open_panel
 
 
 def lit_rows(viewer) -> set[str]:
@@ -104,9 +104,8 @@ def lit_rows(viewer) -> set[str]:
     return {path for box in boxes for path, row in box.rows.items() if row.label.property("lit")}
 
 
-@pytest.mark.usefixtures("lessons")
-def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(open_viewer, small, qtbot):
-    viewer, panel = opened(open_viewer, small, qtbot, started=True)
+def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(open_lessons, small, qtbot):
+    viewer, panel = open_lessons(RANGE, started=True)
     page, session = panel.view.page, viewer.session
     assert (session.scene.title, session.scene.sonar.bins) == ("A pipe on the bed", 100)
     assert (page.lesson.text(), page.step.text()) == ("Range", "1 of 3: See farther")
@@ -170,26 +169,13 @@ def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(ope
     assert lit_rows(viewer) == set()
 
 
-MISTAKES = '[{ value = "sonar.range", because = "Slant range is no distance on the bed." }]'
-CHOICES = '[{ text = "Faster", right = true }, { text = "Slower", because = "Fewer planes are traced." }]'
-ASKING = LESSON.replace('>= 60"\n', f'>= 60"\nask = {{ value = "swath()", unit = "m", mistakes = {MISTAKES} }}\n')
-ASKING = ASKING.replace('>= 0.2"\n', f'>= 0.2"\nask.choices = {CHOICES}\n')
-
-
-@pytest.fixture
-def asking(monkeypatch):
-    another = parse_lesson(LESSON.replace("Range", "Another", 1), "another")
-    offer(monkeypatch, parse_lesson(ASKING, "range"), another)
-
-
 def shown(page) -> tuple[bool, bool]:
     """Whether what to look for and the explanation show."""
     return page.look_for.isVisible(), page.answer.isVisible()
 
 
-@pytest.mark.usefixtures("asking")
-def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(open_viewer, small, qtbot):
-    viewer, panel = opened(open_viewer, small, qtbot, started=True)
+def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(open_lessons, qtbot):
+    viewer, panel = open_lessons(*ASKED, started=True)
     page = panel.view.page
     actions = [lambda: (page.ask.number.setText("60 m"), page.ask.answer.click()), page.show_me.click]
     for order in (actions, actions[::-1]):
@@ -213,9 +199,8 @@ def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(
     assert not page.ask.note.isVisible()
 
 
-@pytest.mark.usefixtures("asking")
-def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_path, monkeypatch):
-    _, panel = opened(open_viewer, small, qtbot, started=True)
+def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, monkeypatch):
+    _, panel = open_lessons(*ASKED, started=True)
     page, summary = panel.view.page, panel.view.summary
     page.ask.unknown.click()
     page.show_me.click()
@@ -258,8 +243,8 @@ def test_choices_unknown_answers_and_the_summary(open_viewer, small, qtbot, tmp_
     assert panel.view.currentWidget() is panel.view.list
 
 
-def test_lessons_stand_under_the_titles_of_their_courses_and_show_their_first_field(open_viewer, small, qtbot):
-    viewer, panel = opened(open_viewer, small, qtbot)
+def test_lessons_stand_under_the_titles_of_their_courses_and_show_their_first_field(open_lessons, qtbot):
+    viewer, panel = open_lessons()
     page = panel.view.list
     texts = [page.lessons.item(row).text() for row in range(page.lessons.count())]
     assert texts[0] == "First look, 55 min"
@@ -276,12 +261,12 @@ def test_lessons_stand_under_the_titles_of_their_courses_and_show_their_first_fi
     assert row.label.property("lit")
 
 
-@pytest.mark.usefixtures("lessons")
-def test_a_lesson_asks_nothing_begins_with_the_window_and_ends_by_undo(open_viewer, small, qtbot, monkeypatch):
-    viewer, panel = opened(open_viewer, small, qtbot)
+def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_lessons, qtbot, monkeypatch):
+    one_sided = LESSON.replace('{ scale = "true" }', '{ side = "port", water_column = false }')
+    viewer, panel = open_lessons(RANGE, parse_lesson(one_sided, "port"))
     viewer.session.settle({"track.altitude": 7.0})
     mine = viewer.session.scene
-    monkeypatch.setattr(QMessageBox, "question", lambda *_: pytest.fail("asked"))
+    monkeypatch.setattr(QMessageBox, "question", Mock(side_effect=AssertionError("asked")))
     panel.view.list.start.click()
     panel.move()
     panel.start("range")
@@ -291,11 +276,10 @@ def test_a_lesson_asks_nothing_begins_with_the_window_and_ends_by_undo(open_view
     assert panel.progress is None, "another scene ends the lesson"
     assert viewer.saving.unsaved
     # As ``insonify view --lesson`` begins one: in a window that shows its scene already.
-    lesson = parse_lesson(LESSON, "range")
-    scene = next(states_of(lesson))[1].scene
+    scene = next(states_of(RANGE))[1].scene
     finish(viewer, qtbot, viewer.open, scene)
     undoable = viewer.session.history.undoable
-    panel.begin(lesson)
+    panel.begin(RANGE)
     assert panel.view.isVisible()
     assert panel.view.page.lesson.text() == "Range"
     assert lit_rows(viewer) == {"sonar.range"}
@@ -303,12 +287,7 @@ def test_a_lesson_asks_nothing_begins_with_the_window_and_ends_by_undo(open_view
     assert viewer.session.history.undoable == undoable
     panel.view.page.left.click()
     assert lit_rows(viewer) == set()
-
-
-def test_a_lesson_shows_both_sides_unless_it_names_one_and_restores_the_display(open_viewer, small, qtbot, monkeypatch):
-    one_sided = LESSON.replace('{ scale = "true" }', '{ side = "port", water_column = false }')
-    offer(monkeypatch, parse_lesson(one_sided, "port"), parse_lesson(LESSON, "range"))
-    viewer, panel = opened(open_viewer, small, qtbot)
+    # It shows both sides unless it names one, and restores the display.
     keep_display(viewer)
     session, settings = viewer.session, viewer.window.settings
     session.show(side="starboard", scale="fill")
@@ -324,9 +303,8 @@ def test_a_lesson_shows_both_sides_unless_it_names_one_and_restores_the_display(
     assert settings.display == {"side": "starboard", "scale": "fill"}, "kept for the next start"
 
 
-@pytest.mark.usefixtures("lessons")
-def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_half(open_viewer, small, qtbot, qapp):
-    viewer, panel = opened(open_viewer, small, qtbot, started=True)
+def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_half(open_lessons, qtbot, qapp):
+    viewer, panel = open_lessons(RANGE, started=True)
     window, page = viewer.window, panel.view.page
 
     def sizes():
@@ -346,16 +324,13 @@ def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_hal
     assert not window.isFullScreen()
     assert sizes() == pytest.approx(before)
     # Above the lesson the record keeps more than half of the screen, whatever the size of the text.
-    usual, record = qapp.font(), window.waterfall
-    try:
-        for size in SIZES:
-            enlarge_text(qapp, size)
-            window.lecture.action.trigger()
-            qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
-            window.lecture.action.trigger()
-            qtbot.waitUntil(lambda: not window.isFullScreen())
-    finally:
-        qapp.setFont(usual)
+    record = window.waterfall
+    for size in SIZES:
+        enlarge_text(qapp, size)
+        window.lecture.action.trigger()
+        qtbot.waitUntil(lambda: record.width() * record.height() > 0.5 * window.width() * window.height())
+        window.lecture.action.trigger()
+        qtbot.waitUntil(lambda: not window.isFullScreen())
 
 
 @pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])

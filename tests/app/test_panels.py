@@ -28,11 +28,7 @@ class DummyPanel(Panel):
     def __init__(self, workbench: Workbench):
         self.workbench = workbench
         self.told: list[tuple[Any, ...]] = []
-        self.widget_shown = QLabel("dummy")
-
-    @property
-    def widget(self) -> QLabel:
-        return self.widget_shown
+        self.view = QLabel("dummy")
 
     def note(self, what: str, *given: Any):
         self.told.append((what, *given))

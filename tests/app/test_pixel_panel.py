@@ -69,7 +69,6 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
     loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
-    assert waterfall.trace_area() is not None
     before = waterfall.plot_area.height()
     viewer.window.trace.trigger()
     assert waterfall.trace_area() is None
@@ -105,17 +104,27 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     click(viewer, PIPE, qtbot)
     assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
     assert "pipe 1" in view.summary.text()
-    shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
-    assert shown["rays"]
-    assert shown["echoing"]
-    rays = pv.wrap(viewer.seabed.view._sound.actors["rays"].mapper.GetInput())
+    actors = viewer.seabed.view._sound.actors
+    assert actors["rays"].visibility
+    assert actors["echoing"].visibility
+    rays = pv.wrap(actors["rays"].mapper.GetInput())
     ends = np.asarray(rays.points)[1::2]
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
 
 
-def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(viewer, qtbot):
+def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
+    """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
+    renderer = viewer.seabed.view._canvas.plotter.renderer
+    viewer.seabed.draw_now()
+    renderer.SetWorldPoint(*place, 1.0)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    return x, y
+
+
+def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_three_dimensions_lights_up(viewer, qtbot):
+    waterfall, readout = viewer.window.waterfall, viewer.panels["readout"].widget
     click(viewer, SHADOW, qtbot)
-    waterfall = viewer.window.waterfall
     place = waterfall.place_of(viewer.inspection.mark)
     image = waterfall.grab().toImage()
     assert is_like(image.pixelColor(place + QPoint(7, 0)), MARK)
@@ -136,28 +145,13 @@ def test_the_pinned_pixel_is_ringed_cut_across_explained_anew_and_let_go_of(view
     assert viewer.inspection.mark is None
     assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
     assert rows_of(viewer.panels["pixel"].view.budget) == []
-    # An edit explains the pinned pixel anew, and another scene lets go of it.
-    click(viewer, SHADOW, qtbot)
-    viewer.session.settle({"targets": []})
-    view = viewer.panels["pixel"].view
-    qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text())
-    assert "pipe 1" not in budget(viewer)
-    assert viewer.inspection.mark is not None
-    finish(viewer, qtbot, viewer.open, edit(viewer.session.scene, {"sonar.bins": 500}))
-    assert viewer.inspection.mark is None
-
-
-def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
-    """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
-    renderer = viewer.seabed.view._canvas.plotter.renderer
-    viewer.seabed.draw_now()
-    renderer.SetWorldPoint(*place, 1.0)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    return x, y
-
-
-def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_share_their_room(viewer, qtbot):
+    # The readout tells the truth of the core.
+    labels = viewer._answer.simulation.truth(np.array([40]))
+    for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
+        _, side, range_bin = np.argwhere(found)[0]
+        waterfall.hovered.emit(Mark(40, int(side), int(range_bin)))
+        qtbot.waitUntil(lambda words=words: words in readout.text())
+    # A click in three dimensions lights up its pixels.
     picked, lit = [], []
     viewer.inspection.picked.connect(picked.append)
     viewer.inspection.lit.connect(lit.append)
@@ -172,7 +166,18 @@ def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_sh
         assert "from this place" in viewer.window.status.sentence.text()
     viewer.inspection.pick((6.0, -31.0, 0.0))
     qtbot.waitUntil(lambda: "no pixel" in viewer.window.status.sentence.text(), timeout=240000)
-    # Rays and budget share their room.
+    # An edit explains the pinned pixel anew, and another scene lets go of it.
+    click(viewer, SHADOW, qtbot)
+    viewer.session.settle({"targets": []})
+    view = viewer.panels["pixel"].view
+    qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text())
+    assert "pipe 1" not in budget(viewer)
+    assert viewer.inspection.mark is not None
+    finish(viewer, qtbot, viewer.open, edit(viewer.session.scene, {"sonar.bins": 500}))
+    assert viewer.inspection.mark is None
+
+
+def test_rays_and_budget_share_their_room_and_a_small_window_stays_usable_and_elides_nothing(viewer, qtbot, qapp):
     window = viewer.window
     for name, other in (("pixel", "water"), ("water", "pixel"), ("pixel", "water")):
         window.open_panel(name)
@@ -180,9 +185,7 @@ def test_a_click_in_three_dimensions_lights_up_its_pixels_and_rays_and_budget_sh
         qtbot.waitUntil(lambda shown=shown: shown.visibleRegion().boundingRect().height() > 100)
         assert shown.mapTo(window, shown.rect().center()).y() > window.height() // 2
         assert behind.visibleRegion().isEmpty()
-
-
-def test_a_small_window_stays_usable_and_its_budget_elides_nothing(viewer, qtbot, qapp):
+    # A small window stays usable.
     viewer.window.resize(880, 600)
     click(viewer, BED, qtbot)
     qtbot.waitUntil(lambda: viewer.window.width() == 880)

@@ -7,8 +7,6 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from insonify.scene import edit
-from insonify.simulation import prepare
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.comparison_overlay import WIPE
 from insonify_viewer.record.projection import Zoom
@@ -300,13 +298,3 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
     finish(viewer, qtbot, viewer.session.settle, {"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]})
     waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
     qtbot.waitUntil(lambda: "school 1" in readout.text())
-
-
-def test_the_readout_tells_the_truth_of_the_core(open_viewer, small, qtbot):
-    viewer = open_viewer(edit(small, {"sonar.beam": "knife", "sonar.bins": 500}), prepare=prepare)
-    labels = viewer._answer.simulation.truth(np.array([100]))
-    readout = viewer.panels["readout"].widget
-    for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
-        _, side, range_bin = np.argwhere(found)[0]
-        viewer.window.waterfall.hovered.emit(Mark(100, int(side), int(range_bin)))
-        qtbot.waitUntil(lambda words=words: words in readout.text())

@@ -226,9 +226,11 @@ def test_entries_of_contacts_that_stay_are_not_made_again(monkeypatch, qtbot):
     assert texts == ["a", "x", "c"]
 
 
-def test_contacts_are_undone_in_turn_with_the_scene_saved_and_opened(viewer, panel, qtbot, tmp_path, monkeypatch):
+def test_contacts_are_undone_in_turn_with_the_scene_saved_and_asked_about(viewer, panel, qtbot, tmp_path, monkeypatch):
     listed, window = panel.view.contacts, viewer.window
+    assert not window.isWindowModified()
     mark_two(viewer, panel, qtbot)
+    assert window.isWindowModified()
     viewer.session.settle({"track.altitude": 8.0})
     listed.choose(0)
     listed.note.setText("two masts")
@@ -271,24 +273,21 @@ def test_contacts_are_undone_in_turn_with_the_scene_saved_and_opened(viewer, pan
     listed.open.click()
     assert "is not a file of contacts" in window.status.sentence.text()
     assert len(panel.contacts) == 2
-
-
-def test_one_question_stands_for_scene_and_contacts(viewer, panel, tmp_path, qtbot, monkeypatch):
-    assert not viewer.window.isWindowModified()
+    # One question stands for scene and contacts.
+    panel.contacts.open([], "")
     mark_two(viewer, panel, qtbot)
-    assert viewer.window.isWindowModified()
-    viewer.session.settle({"track.altitude": 8.0})
+    viewer.session.settle({"track.altitude": 7.0})
     asked = answer_questions(monkeypatch, QMessageBox.StandardButton.Save)
-    named = [str(tmp_path / "scene.toml"), "", str(tmp_path / "found.geojson")]
+    named = [str(tmp_path / "scene.toml"), "", str(path)]
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (named.pop(0), ""))
-    assert not viewer.window.close(), "the dialog for the contacts is left"
-    assert load_scene(tmp_path / "scene.toml").track.altitude == 8.0
-    assert viewer.window.close()
+    assert not window.close(), "the dialog for the contacts is left"
+    assert load_scene(tmp_path / "scene.toml").track.altitude == 7.0
+    assert window.close()
     assert asked == [
         f"The scene “{viewer.session.scene.title}” and the list of 2 contacts have changes that are not saved.",
         "The list of 2 contacts has changes that are not saved.",
     ]
-    assert len(read_contacts(tmp_path / "found.geojson")) == 2
+    assert len(read_contacts(path)) == 2
 
 
 ALTITUDE, RANGE, BINS = 10.0, 50.0, 2000

@@ -52,7 +52,7 @@ def open_recording(viewer, path, qtbot):
     return viewer.recordings.recording
 
 
-def test_any_ping_of_a_recording_is_reached_and_a_broken_file_is_one_sentence(viewer, folder, tmp_path, qtbot):
+def test_any_ping_is_reached_the_last_file_wins_and_a_broken_one_is_told(viewer, folder, tmp_path, qtbot, monkeypatch):
     broken = tmp_path / "broken.xtf"
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
@@ -82,6 +82,35 @@ def test_any_ping_of_a_recording_is_reached_and_a_broken_file_is_one_sentence(vi
     cut.write_bytes((folder / "record.xtf").read_bytes()[:-100])
     assert open_recording(viewer, cut, qtbot).pings == PINGS - 1
     assert "cut.xtf: ends within the packet at byte" in viewer.window.status.sentence.text()
+    # Reading shows a bar, and the last file wins.
+    load, go_on = recording_player.load_recording, threading.Event()
+
+    def load_slowly(path, frequency):
+        if path.endswith(".xtf"):
+            go_on.wait(120.0)
+        return load(path, frequency)
+
+    monkeypatch.setattr(recording_player, "load_recording", load_slowly)
+    viewer.recordings.open(str(folder / "record.xtf"))
+    assert viewer.window.record_a.waiting.what.startswith("reading record.xtf, ")
+    assert not viewer.complete
+    viewer.recordings.open(str(folder / "record.nc"))
+    qtbot.waitUntil(lambda: viewer.recordings.recording.path.suffix == ".nc")
+    finish(viewer, qtbot, go_on.set)
+    assert viewer.recordings.recording.path.suffix == ".nc"
+    assert viewer.window.record_a.waiting is None
+    # In a narrow window the records take the room.
+    window = viewer.window
+    window.resize(1600, 900)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    window.resize(880, 600)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
+    _, recorded, simulated = window._splitter.sizes()
+    assert abs(simulated - recorded) <= 2
+    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
+    window.resize(1600, 900)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(viewer, folder, qtbot, monkeypatch):
@@ -174,38 +203,6 @@ def test_numbers_are_those_of_compare(open_viewer, folder, qtbot):
     assert recorded == expected["variation"]
     assert float(simulated.split()[0]) == pytest.approx(0.52, abs=0.06)
     assert viewer.recordings.recording is recording
-
-
-def test_reading_shows_a_bar_the_last_file_wins_and_fits_a_narrow_window(viewer, folder, qtbot, monkeypatch):
-    load, go_on = recording_player.load_recording, threading.Event()
-
-    def load_slowly(path, frequency):
-        if path.endswith(".xtf"):
-            go_on.wait(120.0)
-        return load(path, frequency)
-
-    monkeypatch.setattr(recording_player, "load_recording", load_slowly)
-    viewer.recordings.open(str(folder / "record.xtf"))
-    assert viewer.window.record_a.waiting.what.startswith("reading record.xtf, ")
-    assert not viewer.complete
-    viewer.recordings.open(str(folder / "record.nc"))
-    qtbot.waitUntil(lambda: viewer.recordings.recording is not None)
-    assert viewer.recordings.recording.path.suffix == ".nc"
-    finish(viewer, qtbot, go_on.set)
-    assert viewer.recordings.recording.path.suffix == ".nc"
-    assert viewer.window.record_a.waiting is None
-    # In a narrow window the records take the room.
-    window = viewer.window
-    window.resize(1600, 900)
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
-    window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
-    assert abs(simulated - recorded) <= 2
-    assert window.record_a.geometry().right() < window.waterfall.geometry().left()
-    window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 
 
 def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_the_same_scale(viewer, folder, qtbot):

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from insonify import simulate
 from insonify.io.records import RECORDS, read_record
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify_viewer.state.session import Session
+from insonify_viewer.widgets.save_dialogs import save_picture
 
 Buttons = QMessageBox.StandardButton
 
@@ -39,6 +39,7 @@ def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_p
     assert viewer.window.isWindowModified()
     # A scene without a file is asked for one, and saved there from then on.
     viewer.open(edit(viewer.session.scene, {"seed": 5}))
+    assert viewer.session.unsaved
     file = tmp_path / "mine.toml"
     name(file)
     viewer.window.save.scene.trigger()
@@ -48,6 +49,8 @@ def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_p
     viewer.session.settle({"track.altitude": 6.0})
     viewer.window.save.scene.trigger()
     assert load_scene(file).track.altitude == 6.0
+    viewer.session.undo()
+    assert viewer.session.unsaved, "the file holds the later scene"
     file.write_text("# why it is so low\n" + file.read_text())
     name("")  # the person leaves the dialog
     viewer.session.settle({"track.altitude": 5.0})
@@ -60,11 +63,16 @@ def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_p
     viewer.window.save.scene.trigger()
     assert "check that the folder can be written to" in viewer.window.status.sentence.text()
     assert viewer.session.unsaved
-    name(tmp_path / "window.png")
+    with pytest.raises(OSError, match="No such file"):
+        save_picture(viewer.window, tmp_path / "nowhere" / "window.png")
+    written = tmp_path / "window.png"
+    name(written)
     viewer.window.save.picture.trigger()
-    with Image.open(tmp_path / "window.png") as picture:
+    with Image.open(written) as picture:
         shown = viewer.window.size() * viewer.window.devicePixelRatioF()
         assert picture.size == shown.toTuple()
+    assert written.stat().st_size > 10_000
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.toml", "my.scene.toml", "saved.toml", "window.png"}
     asked = answer_questions(monkeypatch, Buttons.Discard)
     assert viewer.window.close(), "changes are discarded"
     assert len(asked) == 1
@@ -142,14 +150,3 @@ def test_opening_a_scene_by_the_menu_and_closing_ask_about_changes(viewer, small
     assert viewer.window.close()
     assert load_scene(tmp_path / "kept.toml").track.altitude == 7.0
     assert len(asked) == 5
-
-
-def test_a_scene_that_is_in_no_file_is_unsaved(small):
-    session = Session(small)
-    session.open(edit(small, {"seed": 3}))
-    assert session.unsaved
-    session.mark_saved("a.toml")
-    session.settle({"seed": 4})
-    session.mark_saved("a.toml")
-    session.undo()
-    assert session.unsaved, "the file holds the later scene"

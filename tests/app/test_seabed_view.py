@@ -67,18 +67,39 @@ def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
     np.testing.assert_array_equal(drape_record(bed, (0.0, 0.0), 90.0, strip), bed)
 
 
-def test_the_option_lays_the_record_over_the_bed_where_it_stays_until_it_is_taken_off(viewer, qtbot):
-    shown = []
-    show = viewer.seabed.view.show_texture
-    viewer.seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
+def test_the_record_and_a_mosaic_are_laid_over_the_bed_until_they_are_taken_off(viewer, qtbot, tmp_path, monkeypatch):
+    seabed, action, show = viewer.seabed, viewer.seabed_menu.mosaic, viewer.seabed.view.show_texture
+    qtbot.waitUntil(lambda: seabed.complete)
+    shown, bare, place = [], [], seabed._patch.centre
+    seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: len(shown) == 1)
-    assert (shown[0] != viewer.seabed._patch.image).mean() > 0.05
+    assert (shown[0] != seabed._patch.image).mean() > 0.05
     viewer.session.show(draped=False)
     qtbot.waitUntil(lambda: len(shown) == 2)
-    assert (shown[1] == viewer.seabed._patch.image).all()
+    assert (shown[1] == seabed._patch.image).all()
+    # So is a mosaic of the scene.
+    path = tmp_path / "mosaic.tif"
+    level = np.tile(np.linspace(-9.0, 9.0, 20, dtype=np.float32), (20, 1))
+    write_mosaic(path, Mosaic(level, (place[0] - 10.0, place[1] + 10.0), 1.0, np.ones((20, 20), np.uint16)), "")
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, **__: (str(path), ""))
+    action.trigger()
+    qtbot.waitUntil(lambda: len(shown) == 3)
+    side = np.sqrt((shown[2] != seabed._patch.image).any(axis=2).mean()) * 2.0 * seabed._patch.half
+    assert side == pytest.approx(20.0, abs=0.5)
+    viewer.seabed_menu.open(None, QPoint(0, 0)).close()
+    assert action.isChecked()
+    action.trigger()
+    qtbot.waitUntil(lambda: len(shown) == 4)
+    np.testing.assert_array_equal(shown[3], seabed._patch.image)
+    # A map elsewhere is refused in one sentence, and a mosaic is no bed.
+    write_mosaic(path, Mosaic(level, (5e5, 5e6), 1.0, np.ones((20, 20), np.uint16)), "EPSG:32631")
+    action.trigger()
+    qtbot.waitUntil(lambda: "no place on Earth; set world.crs and world.origin" in viewer.window.status.sentence.text())
+    assert not action.isChecked()
+    viewer.files.open(str(path))
+    qtbot.waitUntil(lambda: "holds levels in dB, not heights" in viewer.window.status.sentence.text())
     # The record stays over the bed when the window of the bed moves.
-    seabed, bare = viewer.seabed, []
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: seabed.complete)
     patch = seabed._patch
@@ -114,34 +135,6 @@ def test_a_mosaic_lies_on_the_bed_by_its_map(elsewhere):
     assert (x.mean(), y.mean()) == pytest.approx((70.0, 10.0), abs=0.2)
     covered = (draped != bed).any(axis=2)
     assert covered.sum() * 0.25**2 == pytest.approx(22 * 22 * 0.5**2, rel=0.03)
-
-
-def test_a_mosaic_of_the_scene_is_laid_over_its_bed_until_it_is_taken_off(viewer, qtbot, tmp_path, monkeypatch):
-    seabed, action = viewer.seabed, viewer.seabed_menu.mosaic
-    qtbot.waitUntil(lambda: seabed.complete)
-    place = seabed._patch.centre
-    path = tmp_path / "mosaic.tif"
-    level = np.tile(np.linspace(-9.0, 9.0, 20, dtype=np.float32), (20, 1))
-    write_mosaic(path, Mosaic(level, (place[0] - 10.0, place[1] + 10.0), 1.0, np.ones((20, 20), np.uint16)), "")
-    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, **__: (str(path), ""))
-    shown = []
-    monkeypatch.setattr(seabed.view, "show_texture", lambda image: shown.append(image))
-    action.trigger()
-    qtbot.waitUntil(lambda: len(shown) == 1)
-    side = np.sqrt((shown[0] != seabed._patch.image).any(axis=2).mean()) * 2.0 * seabed._patch.half
-    assert side == pytest.approx(20.0, abs=0.5)
-    viewer.seabed_menu.open(None, QPoint(0, 0)).close()
-    assert action.isChecked()
-    action.trigger()
-    qtbot.waitUntil(lambda: len(shown) == 2)
-    np.testing.assert_array_equal(shown[1], seabed._patch.image)
-    # A map elsewhere is refused in one sentence, and a mosaic is no bed.
-    write_mosaic(path, Mosaic(level, (5e5, 5e6), 1.0, np.ones((20, 20), np.uint16)), "EPSG:32631")
-    action.trigger()
-    qtbot.waitUntil(lambda: "no place on Earth; set world.crs and world.origin" in viewer.window.status.sentence.text())
-    assert not action.isChecked()
-    viewer.files.open(str(path))
-    qtbot.waitUntil(lambda: "holds levels in dB, not heights" in viewer.window.status.sentence.text())
 
 
 def far_ends(triangles: np.ndarray) -> np.ndarray:
@@ -264,9 +257,15 @@ def trigger(viewer, text):
     next(each for each in viewer.window.findChildren(QAction) if each.text() == text).trigger()
 
 
-def sight(viewer):
+def sight(viewer) -> np.ndarray:
+    """Places of the camera and of its focus."""
     camera = viewer.seabed.view._canvas.plotter.camera
-    return np.array(camera.position), np.array(camera.focal_point)
+    return np.array([camera.position, camera.focal_point])
+
+
+def away(viewer) -> np.ndarray:
+    """From the focus of the camera to the camera."""
+    return np.subtract(*sight(viewer))
 
 
 def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera_its_places(viewer, qtbot):
@@ -284,32 +283,28 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     view = viewer.seabed.view
     assert view.guides._shown[0] > 0.0
     plain = viewer.seabed._patch.image.copy()
-    trigger(viewer, "Depth colours")
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, trigger, viewer, "Depth colours")
     shallow, deep = viewer.seabed._patch.depths
     assert 0.0 < shallow < viewer.session.scene.seabed.depth < deep
     qtbot.waitUntil(lambda: view.guides._shown[2] == (shallow, deep))
     assert (viewer.seabed._patch.image != plain).mean() > 0.5
     trigger(viewer, "Copy picture of the 3-D view")
     assert QGuiApplication.clipboard().image().width() == 3 * view._canvas.plotter.window_size[0]
-
     # A new target is chosen, framed and in the record.
     viewer.window.target_wanted.emit("box")
-    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.session.scene.targets) and not viewer.seabed.view.follows)
+    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.session.scene.targets) and not view.follows)
     handles = viewer.targets.handles
     assert handles.chosen == 0
     target = viewer.session.scene.targets[0]
-    position, focus = sight(viewer)
-    assert focus[:2] == pytest.approx(target.position[:2])
-    assert np.linalg.norm(position - focus) < 0.5 * viewer.session.scene.sonar.range
+    assert sight(viewer)[1][:2] == pytest.approx(target.position[:2])
+    assert np.linalg.norm(away(viewer)) < 0.5 * viewer.session.scene.sonar.range
     assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
     # The camera goes to its places, and follows the towfish.
     viewer.window.reset_view.trigger()
     seen = {}
     for camera in CAMERAS:
         trigger(viewer, camera)
-        position, focus = sight(viewer)
-        seen[camera] = (position - focus) / np.linalg.norm(position - focus)
+        seen[camera] = away(viewer) / np.linalg.norm(away(viewer))
     assert seen["From above"][2] > 0.99
     assert abs(seen["From abeam"][1]) > 0.9, "the track runs along x"
     before = sight(viewer)
@@ -321,12 +316,6 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     assert np.allclose(sight(viewer), before)
     viewer.window.reset_view.trigger()
     assert viewer.seabed.view.follows
-
-
-def away(viewer) -> np.ndarray:
-    """From the focus of the camera to the camera."""
-    camera = viewer.seabed.view._canvas.plotter.camera
-    return np.array(camera.position) - np.array(camera.focal_point)
 
 
 def angles(viewer) -> np.ndarray:

@@ -76,9 +76,11 @@ def drag_handle(viewer, view, action: str, times: float = 2.0):
 
 def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(open_viewer, small, one_box, qtbot):
     """The handle that raises stands opposite the one that thickens; length and width stay as they are."""
-    viewer = open_viewer(one_box, solid=True)
+    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
+    viewer = open_viewer(one_box, solid=True, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
+    qtbot.waitUntil(lambda: viewer.complete)
     session, view, seabed, record = viewer.session, viewer.seabed.view, viewer.seabed, viewer.window.waterfall
-    viewer.targets.handles.choose(0)
+    assert viewer.targets.handles.chosen == 0, "it is chosen before its scene is traced"
     seabed.draw_now()
     canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
     start = view.handles.place(number_of(viewer, "move")).toPoint()
@@ -208,10 +210,3 @@ def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(ope
     assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
     session.undo()
     assert session.scene == one_box
-
-
-def test_a_target_is_chosen_before_its_scene_is_traced(open_viewer, one_box, qtbot):
-    mark = echo_mark(prepare(one_box), (12.0, -20.0, 0.0))
-    viewer = open_viewer(one_box, until=lambda viewer: viewer.targets.handles.choose_at(mark) is None)
-    qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.targets.handles.chosen == 0

@@ -53,7 +53,7 @@ def own():
 
 
 @pytest.mark.usefixtures("own")
-def test_a_target_of_any_kind_is_added_taken_back_and_kept_apart_from_others(open_viewer, small, qtbot, monkeypatch):
+def test_a_target_of_any_kind_is_added_taken_back_kept_apart_and_in_a_new_scene(open_viewer, small, qtbot, monkeypatch):
     pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
     viewer = open_viewer(edit(small, {"targets": []}))
     assert list(target_menu())[-1] == "hoop", "of somebody else's"
@@ -80,6 +80,25 @@ def test_a_target_of_any_kind_is_added_taken_back_and_kept_apart_from_others(ope
     places = np.array([add(viewer, "sphere", qtbot).position for _ in range(5)])
     distances = np.linalg.norm(places[:, None] - places, axis=2) + 1e9 * np.eye(5)
     assert distances.min() > 7.0
+
+    # The dialog of a new scene opens it without a file, with its targets.
+    def answer(dialog: NewScene) -> bool:
+        dialog.beds.setCurrentRow(3)
+        dialog.sonar.setCurrentIndex(dialog.sonar.findData("kayak-800"))
+        assert dialog.altitude.value() == pytest.approx(2.5)
+        dialog.pings.setValue(100)
+        for row in (0, 2):
+            dialog.targets.item(row).setSelected(True)
+        return True
+
+    monkeypatch.setattr(NewScene, "exec", answer)
+    viewer.window.new_scene.trigger()
+    scene = viewer.session.scene
+    assert (scene.title, viewer.session.file, scene.track.pings) == ("Untitled", "", 100)
+    names = list(bundled_meshes())
+    assert [target.path for target in scene.targets] == [names[0], names[2]]
+    (x, y), (further, across) = (target.position for target in scene.targets)
+    assert (x < further, y * across < 0.0) == (True, True)
 
 
 def test_a_mesh_is_chosen_by_its_picture_or_refused_and_removed_by_a_cross(viewer, small, qtbot, monkeypatch, tmp_path):
@@ -241,23 +260,3 @@ def test_every_bed_and_sonar_make_a_record_with_its_targets(bed, sonar):
     assert scene.sonar.preset == sonar
     record = simulate(edit(scene, {"sonar.bins": 128, "track.pings": 4}), forced={"planes": "1"})
     assert (record.intensity.values > 0.0).any()
-
-
-def test_the_dialog_of_a_new_scene_opens_it_without_a_file(viewer, monkeypatch):
-    def answer(dialog: NewScene) -> bool:
-        dialog.beds.setCurrentRow(3)
-        dialog.sonar.setCurrentIndex(dialog.sonar.findData("kayak-800"))
-        assert dialog.altitude.value() == pytest.approx(2.5)
-        dialog.pings.setValue(100)
-        for row in (0, 2):
-            dialog.targets.item(row).setSelected(True)
-        return True
-
-    monkeypatch.setattr(NewScene, "exec", answer)
-    viewer.window.new_scene.trigger()
-    scene = viewer.session.scene
-    assert (scene.title, viewer.session.file, scene.track.pings) == ("Untitled", "", 100)
-    names = list(bundled_meshes())
-    assert [target.path for target in scene.targets] == [names[0], names[2]]
-    (x, y), (further, across) = (target.position for target in scene.targets)
-    assert (x < further, y * across < 0.0) == (True, True)

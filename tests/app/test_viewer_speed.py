@@ -27,13 +27,9 @@ TURNS = 20
 RATE = 60  # moves of a slider in a second
 
 
-def seconds_until(qtbot, condition: Callable[[], bool]) -> float:
-    return seconds_of(lambda: qtbot.waitUntil(condition))
-
-
-def seconds_of(act: Callable[[], object]) -> float:
+def seconds_of(act: Callable[..., object], *given: object) -> float:
     start = time.perf_counter()
-    act()
+    act(*given)
     return time.perf_counter() - start
 
 
@@ -162,7 +158,7 @@ def test_slider_at_60_hz(open_large, qtbot, name, path):
     qtbot.waitUntil(lambda: not timer.isActive())
     gaps.close()
     row.slider.setSliderDown(False)
-    fine = seconds_until(qtbot, lambda: not viewer._missing().size)
+    fine = seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size)
     print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.in_words()}; fine after {fine:.3f} s")
     if delays:
         after, best, of_it = (1e3 * float(each) for each in (np.median(delays), min(delays), np.median(traced)))
@@ -194,7 +190,7 @@ def test_a_view_that_is_turned(open_large, qtbot):
         place += QPoint(6 if turn < TURNS else -6, (-1) ** turn)
         before = len(frames)
         QTest.mouseMove(canvas, place)
-        seconds.append(seconds_until(qtbot, lambda before=before: len(frames) > before))
+        seconds.append(seconds_of(qtbot.waitUntil, lambda before=before: len(frames) > before))
     QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=place)
     size, rate = f"{canvas.width()} × {canvas.height()} px", 1 / np.mean(seconds)
     print(f"\n3-D view of {size} while turned: {rate:.1f} frames/s, median {1e3 * np.median(seconds):.0f} ms")
@@ -209,7 +205,7 @@ def test_a_target_that_is_dragged(open_large, qtbot):
     for _ in range(2 * MOVES):
         place += QPoint(3, -2)
         QTest.mouseMove(record, place)
-        coarse.append(seconds_until(qtbot, lambda: not viewer._missing().size))
+        coarse.append(seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size))
     QTest.mouseRelease(record, Qt.MouseButton.LeftButton, pos=place)
     gaps.close()
     print(f"\ntarget dragged in the record: coarse picture in {1e3 * np.median(coarse):.0f} ms (median)")
@@ -253,7 +249,7 @@ def test_a_and_b_change_places(open_large, qtbot, pings):
         row.slider.setSliderDown(True)
         for position in np.linspace(300, 600, MOVES).astype(int):
             row.slider.setValue(int(position))
-            seconds_until(qtbot, lambda: not viewer._missing().size)
+            seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size)
         gaps.close()
         row.slider.setSliderDown(False)
         print(f"slider with {arrangement.value}: {gaps.in_words()}")

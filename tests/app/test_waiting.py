@@ -50,7 +50,7 @@ def test_a_wait_is_told_after_a_moment_unless_a_record_follows_a_slider_or_a_tow
     assert look(watch, 4.0, FEW + 1, running=True) is not None
 
 
-def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new_ones_arrive(open_viewer, small, qtbot):
+def test_a_bed_shows_before_its_first_ping_stale_rows_are_dimmed_and_compiling_is_told(open_viewer, small, qtbot):
     going = {small.seed: threading.Event(), 5: threading.Event()}
 
     class Awaited(StandIn):
@@ -70,8 +70,8 @@ def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new
     viewer.session.settle({"seed": 5})
     assert (picture_of(waterfall) == bright).all(), "a short wait changes nothing"
     # On a busy machine it may first wait for the plan.
-    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith("simulating pings, 0"))
-    assert waterfall.waiting.what.startswith("simulating pings, 0 of 128")
+    first = "simulating pings, 0 of 128"
+    qtbot.waitUntil(lambda: waterfall.waiting is not None and waterfall.waiting.what.startswith(first))
     assert (picture_of(waterfall) == dimmed(bright)).all()
     assert dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32)).tolist() == [0xFF000000, 0xFF5E3003], "darker"
     plain = waterfall.grab().toImage().pixelColor(200, 26)
@@ -79,9 +79,30 @@ def test_the_bed_shows_before_the_first_ping_and_stale_rows_are_dimmed_until_new
     qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
     assert (picture_of(waterfall) == bright).all()
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
+    # A new bed is shown while its first ping is awaited.
+    finish(viewer, qtbot, viewer.session.undo)
+    shown = viewer.seabed.view._bed.points.copy()
+    viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
+    viewer.session.settle({"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
+    viewer.simulator.laid.emit(viewer._number, pack(viewer.session.scene))
+    qtbot.waitUntil(lambda: viewer.seabed.complete)
+    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
+    viewer.session.show(gain=3.0)
+    qtbot.wait(50)
+    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
+    # The bar tells what is compiled.
+    viewer.session.settle({"seed": 5})
+    report_progress(Compilation("bent rays", 0.4, 55.0))
+    compiling = "compiling bent rays, once, about a minute left", 0.4
+    qtbot.waitUntil(lambda: waterfall.waiting == compiling)
+    report_progress(None)
+    qtbot.waitUntil(lambda: waterfall.waiting.what.startswith("simulating pings"))
+    viewer.window.close()
+    report_progress(Compilation("bent rays", 0.5, 55.0))
+    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
-def test_the_bed_of_the_last_scene_is_faded_and_one_that_fails_is_told(open_viewer, small, qtbot, monkeypatch):
+def test_water_is_not_black_the_last_bed_is_faded_and_one_that_fails_is_told(open_viewer, small, qtbot, monkeypatch):
     going = threading.Event()
     draw = pv_meshes.bed_patch
 
@@ -101,6 +122,9 @@ def test_the_bed_of_the_last_scene_is_faded_and_one_that_fails_is_told(open_view
         return float(np.std(greys))
 
     usual = strongest_contrast()
+    image = viewer.seabed.view.grab().toImage()
+    water = image.pixelColor(image.width() // 8, 8)
+    assert water.blue() > water.red() > 40, "nothing is black above the bed"
     viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
     qtbot.waitUntil(lambda: not viewer._missing().size, timeout=120000)
     assert not viewer.complete
@@ -150,29 +174,6 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small, qtbot):
         assert simulator.activity == Waiting()
     finally:
         simulator.close()
-
-
-def test_a_new_bed_is_shown_while_its_first_ping_is_awaited_and_the_bar_tells_what_is_compiled(viewer, small, qtbot):
-    shown = viewer.seabed.view._bed.points.copy()
-    viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
-    other = edit(small, {"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
-    viewer.session.settle({"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
-    viewer.simulator.laid.emit(viewer._number, pack(other))
-    qtbot.waitUntil(lambda: viewer.seabed.complete)
-    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
-    viewer.session.show(gain=3.0)
-    qtbot.wait(50)
-    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
-    # The bar tells what is compiled.
-    viewer.session.settle({"seed": 5})
-    report_progress(Compilation("bent rays", 0.4, 55.0))
-    compiling = "compiling bent rays, once, about a minute left", 0.4
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting == compiling)
-    report_progress(None)
-    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("simulating pings"))
-    viewer.window.close()
-    report_progress(Compilation("bent rays", 0.5, 55.0))
-    assert viewer.simulator.activity == Waiting(), "a closed window does not watch"
 
 
 @pytest.mark.parametrize("waits", [False, True])

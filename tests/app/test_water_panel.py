@@ -12,7 +12,6 @@ from insonify.scene import edit, load_scene
 from insonify_viewer.panels.budget.levels import COMPARED, signed
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.state.session import Session
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 
@@ -58,6 +57,11 @@ def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, sma
         with pytest.raises(StopIteration):
             viewer.panels["parameters"].view.row("water.depth.0")
     viewer.panels["parameters"].view.row("water.sound_speed")
+    # Slower water lowers the ping rate.
+    viewer.open(edit(layered, {"sonar.ping_rate": 15.0}))
+    for slower in ({"water.sound_speed": [1400.0] * 4}, {"water.sound_speed.2": 1450.0}):
+        assert viewer.session.settle(slower)
+        assert viewer.session.scene.sonar.ping_rate == 14.0
 
 
 def handle(view) -> QPoint:
@@ -85,8 +89,7 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     water = viewer.session.scene.water
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
     assert not viewer.session.history.undoable, "the key is still down"
-    QTest.keyRelease(view, Qt.Key.Key_Right)
-    qtbot.waitUntil(lambda: viewer.complete)
+    finish(viewer, qtbot, QTest.keyRelease, view, Qt.Key.Key_Right)
     viewer.session.undo()
     assert viewer.session.scene == layered, "one step of undo"
     for _ in range(3):
@@ -141,14 +144,6 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
     assert viewer.session.scene == layered
-
-
-def test_slower_water_lowers_the_ping_rate(small):
-    session = Session(edit(small, {"water": PROFILE, "sonar.ping_rate": 15.0}))
-    assert session.settle({"water.sound_speed": [1400.0] * 4})
-    assert session.scene.sonar.ping_rate == 14.0
-    assert session.settle({"water.sound_speed.2": 1450.0})
-    assert session.scene.sonar.ping_rate == 14.0
 
 
 def groups(viewer):

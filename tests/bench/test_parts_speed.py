@@ -1,8 +1,8 @@
 """What effects of the receiver, bent rays and explanations cost, printed: run with `pytest -m bench -s tests/bench`."""
 
 import math
+from functools import partial
 from statistics import median
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -23,7 +23,6 @@ from water import NO_CEILING, NO_FLOOR, followed, layers, water_of
 
 pytestmark = pytest.mark.bench
 PINGS = np.arange(512)
-K = {"kind": "k", "shape": 2.0}
 EFFECTS = {
     "tone of 1.5 bins": {},
     "ideal pulse": {"sonar.pulse": "ideal"},
@@ -31,7 +30,7 @@ EFFECTS = {
     "Rayleigh": {"receiver.speckle": "rayleigh"},
     "Rayleigh, pings 5 mm apart": {"receiver.speckle": "rayleigh", "track.speed": 0.05},
     "Rayleigh, 4 looks": {"receiver.speckle": {"kind": "rayleigh", "looks": 4}},
-    "K": {"receiver.speckle": K},
+    "K": {"receiver.speckle": {"kind": "k", "shape": 2.0}},
     "fluctuation": {"receiver.fluctuation": {"kind": "lognormal", "travel_time": 1e-4}},
     "reverberation": {"receiver.reverberation": "both"},
     "noise": {"receiver.noise": "ambient"},
@@ -67,9 +66,7 @@ def test_what_coherent_speckle_costs(say):
         waves, arrays, poses = simulation.tracer, simulation.arrays, simulation.poses(pings)
         assert isinstance(waves, ScattererTracer)
 
-        def call(waves=waves, arrays=arrays, poses=poses, planes=simulation.plan.planes):
-            waves.trace(arrays, poses, planes=planes, threads=1)
-
+        call = partial(waves.trace, arrays, poses, planes=simulation.plan.planes, threads=1)
         timing = time_calls({"coherent": call}, rounds=5)["coherent"]
         say(
             f"coherent, {waves.scatterers.density:.0f} scatterers a m²: "
@@ -115,24 +112,16 @@ def test_a_ray(nodes, say):
 SCENES = ("default", "targets", "wreck", "thermocline", "ghosts", "raw-record", "rough-tow", "double-image")
 
 
-def milliseconds(work):
-    start = perf_counter()
-    work()
-    return 1e3 * (perf_counter() - start)
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_time_of_an_explanation(name, say):
     simulation = prepare(load_scene(name))
     bins = np.linspace(0.25, 0.95, 12) * simulation.reduced.bins
-    explain_pixel(simulation, 60, 0, int(bins[0]))
-    times = [milliseconds(lambda k=k: explain_pixel(simulation, 60, 0, int(k))) for k in bins]
-    cut_cross_section(simulation, 60, 0)
-    cut = milliseconds(lambda: cut_cross_section(simulation, 60, 0))
     place = np.array([float(simulation.poses(np.array([60])).x[0]), 20.0, 0.0])
-    find_listeners(simulation, place, np.arange(0, 120))
-    heard = milliseconds(lambda: find_listeners(simulation, place, np.arange(0, 120)))
+    calls = {k: partial(explain_pixel, simulation, 60, 0, int(k)) for k in bins}
+    calls["cut"] = partial(cut_cross_section, simulation, 60, 0)
+    calls["place"] = partial(find_listeners, simulation, place, np.arange(120))
+    *times, cut, found = (1e3 * timing.median for timing in time_calls(calls, rounds=3).values())
     say(
         f"{name}: pixel {median(times):.1f} ms (most {max(times):.1f}), cross-section {cut:.1f} ms, "
-        f"pixels of a place {heard:.1f} ms\n"
+        f"pixels of a place {found:.1f} ms\n"
     )

@@ -39,14 +39,13 @@ WINDOWS, LEVELS = (6.0, 9.0, 13.5, 20.0), (0.85, 0.8, 0.7, 0.6, 0.5)  # m on a s
 pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
 
 
-def as_shown(picture: Image.Image) -> np.ndarray:
-    """Grey levels of a picture whose longer side is resampled to `SIDE` pixels."""
+def describe(picture: Image.Image) -> np.ndarray:
+    """Features of greys, texture, edges and outline, which change little as the picture is turned or mirrored.
+
+    The longer side of the picture is resampled to `SIDE` pixels.
+    """
     size = [max(round(SIDE * side / max(picture.size)), 16) for side in picture.size]
-    return np.asarray(picture.convert("L").resize(size, Image.Resampling.BOX), float) / 255.0
-
-
-def describe(image: np.ndarray) -> np.ndarray:
-    """Features of greys, texture, edges and outline, which change little as the picture is turned or mirrored."""
+    image = np.asarray(picture.convert("L").resize(size, Image.Resampling.BOX), float) / 255.0
     image = (image - np.median(image)) / (image.std() + 1e-3)
     found = [*np.percentile(image, [1, 5, 25, 75, 95, 99]), float((image**3).mean())]
     for scale in (1, 2, 4, 8, 16):
@@ -106,25 +105,16 @@ class Chip(NamedTuple):
 def chips(tmp_path_factory):
     """Chips of the bundled sets; beds have the boxes of objects, so that the frame tells nothing."""
     folder = Path(os.environ.get("INSONIFY_SIM_SETS") or tmp_path_factory.mktemp("sets"))
-    lines = []
+    made = []
     for name in SETS:
         place = folder / name
         assert cli.main(["dataset", name, "-o", str(place), "--scenes", str(SCENES), "--scheduler", "local:2"]) == 0
-        told = map(json.loads, (place / "metadata.jsonl").read_text().splitlines())
-        lines += [
-            (name, place / line["file_name"], line["class"], [found["both"] for found in line["targets"]])
-            for line in told
-        ]
-    rng, boxes = np.random.default_rng(1), [boxes[0] for *_, boxes in lines if boxes]
-    return [
-        Chip(
-            Image.open(path).convert("L"),
-            own[0] if own else boxes[rng.integers(len(boxes))],
-            0 if kind is None else NAMES.index(kind),
-            name,
-        )
-        for name, path, kind, own in lines
-    ]
+        for line in map(json.loads, (place / "metadata.jsonl").read_text().splitlines()):
+            boxes = [found["both"] for found in line["targets"]] or [[]]
+            picture = Image.open(place / line["file_name"]).convert("L")
+            made.append(Chip(picture, boxes[0], NAMES.index(line["class"] or "seabed"), name))
+    rng, boxes = np.random.default_rng(1), [chip.box for chip in made if chip.box]
+    return [chip if chip.box else chip._replace(box=boxes[rng.integers(len(boxes))]) for chip in made]
 
 
 def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> Image.Image:
@@ -133,14 +123,6 @@ def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> I
     left, up, right, down = rng.uniform(0.03, 0.3, 4)
     ends = min(x + wide + right * wide, picture.width), min(y + high + down * high, picture.height)
     return picture.crop((int(max(x - left * wide, 0)), int(max(y - up * high, 0)), int(ends[0]), int(ends[1])))
-
-
-def real() -> tuple[list[Image.Image], np.ndarray]:
-    """Real pictures and their classes."""
-    paths = [
-        (path, number) for name, number in FOLDERS.items() for path in sorted(Path(REAL or "", name).glob("*.png"))
-    ]
-    return [Image.open(path).convert("L") for path, _ in paths], np.array([number for _, number in paths])
 
 
 def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
@@ -164,7 +146,7 @@ def forests(chips):
     # With beds that are mistaken for objects, from which a network gains, forests take a third of the objects for beds.
     learned = [chip for chip in chips if chip.of != "seabed"]
     shown = [part for chip in learned for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
-    features = np.array([describe(as_shown(picture)) for picture in shown])
+    features = np.array([describe(picture) for picture in shown])
     classes = np.repeat([chip.number for chip in learned], 2)
     trees = [
         ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
@@ -198,7 +180,7 @@ def networks(chips):
 
 def by_each(forests: list[Any], networks: list[Any], pictures: list[Image.Image]) -> dict[str, list[np.ndarray]]:
     """Chances of the classes of pictures by each forest, by each network, and by both."""
-    features = np.array([describe(as_shown(picture)) for picture in pictures])
+    features = np.array([describe(picture) for picture in pictures])
     found = {"trees": [forest.predict_proba(features) for forest in forests]}
     if networks:
         import small_network
@@ -210,23 +192,22 @@ def by_each(forests: list[Any], networks: list[Any], pictures: list[Image.Image]
     return found
 
 
-def report(name: str, chances: list[np.ndarray], truth: np.ndarray, say) -> dict[str, float]:
-    """Print the mean of what models reach, what their mean reaches, and its intervals by bootstrap of the pictures."""
-    chance, rng = np.mean(chances, axis=0), np.random.default_rng(1)
-    found, single = measures(chance, truth), [measures(one, truth) for one in chances]
-    drawn = [measures(chance[pick], truth[pick]) for pick in rng.integers(0, len(truth), (DRAWS, len(truth)))]
-    say(f"{name}: mean of {len(chances)}, and their mean, {len(truth)} real pictures")
-    for measure, value in found.items():
-        low, high = np.percentile([one[measure] for one in drawn], [2.5, 97.5])
-        say(f"{measure:28s} {np.mean([one[measure] for one in single]):.3f}   {value:.3f}  ({low:.3f} to {high:.3f})")
-    return found
-
-
 def test_what_is_learned_from_simulation_tells_real_pictures_apart(chips, forests, networks, say):
-    pictures, truth = real()
+    """Print the mean of what models reach, what their mean reaches, and its intervals by bootstrap of the pictures."""
+    paths = [path for name in FOLDERS for path in sorted(Path(REAL, name).glob("*.png"))]
+    pictures = [Image.open(path).convert("L") for path in paths]
+    truth = np.array([FOLDERS[path.parent.name] for path in paths])
     say(f"{SCENES} scenes a set, {len(chips)} chips; networks of {STEPS} steps, {WIDTH} channels")
     for name, chances in by_each(forests, networks, pictures).items():
-        assert report(name, chances, truth, say)["AUC object"] > 0.95
+        chance, rng = np.mean(chances, axis=0), np.random.default_rng(1)
+        found, single = measures(chance, truth), [measures(one, truth) for one in chances]
+        drawn = [measures(chance[pick], truth[pick]) for pick in rng.integers(0, len(truth), (DRAWS, len(truth)))]
+        say(f"{name}: mean of {len(chances)}, and their mean, {len(truth)} real pictures")
+        for measure, value in found.items():
+            low, high = np.percentile([one[measure] for one in drawn], [2.5, 97.5])
+            mean = np.mean([one[measure] for one in single])
+            say(f"{measure:28s} {mean:.3f}   {value:.3f}  ({low:.3f} to {high:.3f})")
+        assert found["AUC object"] > 0.95
 
 
 class Window(NamedTuple):

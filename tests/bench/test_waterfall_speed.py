@@ -1,7 +1,5 @@
 """How quickly the record is drawn: printed, never asserted (run with -m bench -s)."""
 
-# ruff: noqa: T201
-
 import time
 
 import numpy as np
@@ -31,7 +29,7 @@ VIEWS = {
 
 
 @pytest.mark.parametrize("name", VIEWS)
-def test_a_scrolling_record(qtbot, name):
+def test_a_scrolling_record(qtbot, name, say):
     """A frame takes a new ping over, scrolls and is painted at 1000 × 1000 px."""
     compile_picture()
     options, zoom = VIEWS[name]
@@ -57,7 +55,7 @@ def test_a_scrolling_record(qtbot, name):
         view.render(picture)
         seconds.append(time.perf_counter() - began)
     frame = 1e3 * np.array(seconds)
-    print(
-        f"\n{name}: a frame of {PINGS} × {2 * BINS} in {np.median(frame):.1f} ms (p99 {np.quantile(frame, 0.99):.1f}); "
+    say(
+        f"{name}: a frame of {PINGS} × {2 * BINS} in {np.median(frame):.1f} ms (p99 {np.quantile(frame, 0.99):.1f}); "
         f"options changed in {1e3 * whole:.0f} ms"
     )

@@ -6,14 +6,13 @@ writes its bins. Commands begin with kernels compiled before and with none.
 """
 
 import os
-import subprocess
-import sys
 from statistics import median
 from time import monotonic
 
 import numpy as np
 import pytest
 
+from commands import output_of, run_python
 from floor import floor_call
 from insonify.accuracy.timing import time_calls
 from insonify.commands.render import write
@@ -31,12 +30,6 @@ BARE = edit(DEFAULT, {"sonar.beam": "knife", "targets": [], "sonar.pulse": "idea
 THREADS = [1, count_threads()]
 
 
-def tracer(simulation, pings, threads):
-    """Call of the tracer alone, poses and planes known."""
-    arrays, poses = simulation.reduced, simulation.poses(np.arange(pings))
-    return lambda: simulation.tracer.trace(arrays, poses, threads=threads, **simulation.plan.settings)
-
-
 def viewer(simulation, pings):
     """Call of what the viewer's worker does with pings, as many at a time as it sends to the window."""
     level, size = LevelBed(simulation), simulation.pings_within(BLOCK_TIME)
@@ -50,24 +43,15 @@ def fresh(path, write, *given, **named):
     write(*given, **named)
 
 
-def tell(say, title, timings, pings, own):
-    say(f"{title}:")
-    for name, timing in timings.items():
-        over = 1e3 * (timing.median - 1.5 * timings[own].median)
-        say(
-            f"  {name:32s} {1e6 * timing.median / pings:8.2f} µs a ping ± {100 * timing.spread:3.0f} %, "
-            f"{timing.median / timings[own].median:6.2f} × the tracer, 1.5 × {over:+.1f} ms",
-        )
-
-
 @pytest.mark.parametrize("pings", [512, 20_000])
 @pytest.mark.parametrize("threads", THREADS)
 def test_from_call_to_dataset_and_file(say, tmp_path, pings, threads):
     scene = edit(BARE, {"track.pings": pings})
     simulation = prepare(scene, threads=threads)
+    traced = {"poses": simulation.poses(np.arange(pings)), "threads": threads, **simulation.plan.settings}
     calls = {
         "floor": floor_call(simulation, pings),
-        "tracer": tracer(simulation, pings, threads),
+        "tracer": lambda: simulation.tracer.trace(simulation.reduced, **traced),
         "intensity": lambda: simulation.intensity(np.arange(pings)),
         "viewer": viewer(simulation, pings),
         "prepare": lambda: prepare(scene, threads=threads),
@@ -77,7 +61,13 @@ def test_from_call_to_dataset_and_file(say, tmp_path, pings, threads):
     for name in ("record.nc", "record.npz", "record.png"):
         calls[name] = lambda path=tmp_path / name: fresh(path, write, scene, path, DisplayOptions(), threads=threads)
     timings = time_calls(calls, rounds=9 if pings < 5000 else 7)
-    tell(say, f"{pings} pings, {threads} threads", timings, pings, "tracer")
+    own = timings["tracer"].median
+    say(f"{pings} pings, {threads} threads:")
+    for name, timing in timings.items():
+        say(
+            f"  {name:32s} {1e6 * timing.median / pings:8.2f} µs a ping ± {100 * timing.spread:3.0f} %, "
+            f"{timing.median / own:6.2f} × the tracer, 1.5 × {1e3 * (timing.median - 1.5 * own):+.1f} ms",
+        )
 
 
 def test_writing_beside_the_disk(say, tmp_path):
@@ -120,8 +110,7 @@ def test_from_the_command_to_the_first_ping(say):
     pinged, ended = [], []
     for _ in range(8):
         start = monotonic()
-        done = subprocess.run([sys.executable, "-c", FIRST_PING], check=True, capture_output=True, text=True)
-        pinged.append(float(done.stdout) - start)
+        pinged.append(float(output_of("-c", FIRST_PING)[0]) - start)
         ended.append(monotonic() - start)
     # The first may still compile.
     say(
@@ -148,9 +137,7 @@ def test_first_record_from_an_empty_cache(tmp_path, say):
     environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     environment |= {"XDG_CACHE_HOME": str(tmp_path), "PICTURE": str(tmp_path / "first.png")}
     start = monotonic()
-    command = [sys.executable, "-c", FIRST_RECORD]
-    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-    functions, seconds = done.stdout.splitlines()[-1].split()
+    *_, functions, seconds = run_python("-c", FIRST_RECORD, env=environment)[1].split()
     say(
         f"first record from an empty cache on two cores: {monotonic() - start:.1f} s, "
         f"{float(seconds):.1f} s of processor time, {functions} functions compiled"

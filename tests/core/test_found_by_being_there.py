@@ -1,6 +1,7 @@
 """Kinds, commands and file formats are found by standing in a package, here or in an installed one."""
 
 import json
+from contextlib import contextmanager
 from functools import partial
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -26,7 +27,7 @@ from insonify.scene.base import Declaration, Family, models_of, parameter
 from insonify.scene.seabed.materials import MATERIAL_MAPS, MaterialMap
 from insonify.scene.targets import TARGETS, Posed, Target
 from insonify.terrain import build_ground
-from own_things import added_format, forgetting
+from own_kinds import forgetting
 
 SMALL = ("pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100")
 
@@ -37,6 +38,16 @@ def write_text(path, blocks):
 
 def read_text(path):
     return xr.Dataset.from_dict(json.loads(Path(path).read_text()))
+
+
+@contextmanager
+def added_format(registry, extra):
+    formats = registry.formats()
+    formats.append(extra)
+    try:
+        yield
+    finally:
+        formats.remove(extra)
 
 
 def test_a_new_record_format_is_written_read_drawn_and_named_in_help(tmp_path, capsys):

@@ -22,7 +22,6 @@ from insonify.terrain import build_ground, relief
 from insonify.tow.poses import make_poses
 from insonify.tracers import rays, sweep
 from own_kinds import OWN_MATERIALS, own_kinds, own_scene
-from own_physics import own_physics
 
 CORAL = (OWN_MATERIALS / "coral.toml").read_text()
 SEDIMENT = "sediment = { loss = 0.02, volume = 0.002, spectral_strength = 0.004, spectral_exponent = 3.2 }"
@@ -30,7 +29,7 @@ SEDIMENT = "sediment = { loss = 0.02, volume = 0.002, spectral_strength = 0.004,
 
 @pytest.fixture(autouse=True, scope="module")
 def _known():
-    with own_kinds(), own_physics():
+    with own_kinds():
         yield
 
 

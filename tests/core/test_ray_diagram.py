@@ -107,9 +107,16 @@ def test_a_section_of_equal_profiles_is_that_profile(diagram):
     other = trace_ray_diagram(scene_in(section), target=(400.0, 25.0))
     np.testing.assert_allclose(other.dark, diagram.dark, atol=0.02)
     assert (other.shadow != diagram.shadow).mean() < 1e-3
-    np.testing.assert_allclose(
-        [ray.travel_time for ray in other.eigenrays], [ray.travel_time for ray in diagram.eigenrays], rtol=1e-9
-    )
+    times = ([ray.travel_time for ray in each.eigenrays] for each in (other, diagram))
+    np.testing.assert_allclose(*times, rtol=1e-9)
+    section = water(kind="section", distance=[-10, 70, 900], depth=LAYERED.depth, sound_speed=[LAYERED.sound_speed] * 3)
+    for x, depth in ((80.0, 40.0), (300.0, 15.0), (30.0, 60.0)):
+        ours, layered = (
+            insonify.eigenrays(one, 5.0, x, depth, bottom=60.0, reflections=1) for one in (section, LAYERED)
+        )
+        assert ours.sizes == layered.sizes
+        np.testing.assert_allclose(ours.angle, layered.angle, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(ours.time, layered.time, rtol=0, atol=1e-12)
 
 
 def test_a_point_that_is_not_in_the_water_is_refused():
@@ -143,10 +150,10 @@ def test_the_table_holds_every_point_and_the_picture_shows_shadow_bed_and_eigenr
 
 def test_the_command_prints_the_eigenrays(tmp_path, capsys):
     out = tmp_path / "rays.csv"
-    settings = ["--set", "water.kind=profile", "--set", "water.depth=[0,20,40]"]
-    settings += ["--set", "water.sound_speed=[1520,1500,1510]", "--set", "sonar.range=400"]
-    settings += ["--set", "sonar.ping_rate=1", "--set", "track.altitude=10"]
-    assert main(["rays", "default", "-o", str(out), "--target", "30", "25", *settings]) == 0
+    water = "water={kind='profile',depth=[0,20,40],sound_speed=[1520,1500,1510]}"
+    settings = "sonar.range=400", "sonar.ping_rate=1", "track.altitude=10", water
+    words = [word for setting in settings for word in ("--set", setting)]
+    assert main(["rays", "default", "-o", str(out), "--target", "30", "25", *words]) == 0
     said = capsys.readouterr().out.splitlines()
     assert "slant range" in said[0]
     assert said[-1] == str(out)
@@ -173,7 +180,7 @@ def test_a_hit_of_the_bed_is_a_rays_own_last_point():
     assert list(paths.end.values) == ["bottom", "bottom", "bottom", "surface", "bottom"]
 
 
-def test_points_lie_at_the_ranges_asked_for_and_uniform_water_bends_nothing():
+def test_points_lie_at_the_ranges_asked_for_and_uniform_water_bends_nothing_below_a_surface_that_reflects():
     paths = insonify.ray_paths(LAYERED, 5.0, 2.0, max_range=400.0, bottom=60.0, ranges=[0.0, 100.0, 333.0])
     np.testing.assert_array_equal(paths.range.values, [[0.0, 100.0, 333.0]])
     assert not paths.hit.any()
@@ -183,33 +190,24 @@ def test_points_lie_at_the_ranges_asked_for_and_uniform_water_bends_nothing():
     np.testing.assert_allclose(paths.depth[0], 3.0 + math.tan(math.radians(30.0)) * paths.range[0])
     np.testing.assert_allclose(paths.time[0] * 1480.0, paths.range[0] / math.cos(math.radians(30.0)))
     np.testing.assert_allclose(paths.tube[0], paths.range[0] / math.cos(math.radians(30.0)))
+    calm = water(kind="uniform", sound_speed=1500.0, surface={"kind": "flat"})
+    path = insonify.ray_paths(calm, 20.0, [-45.0], max_range=60.0, bottom=100.0, ranges=[20.0, 60.0]).isel(ray=0)
+    np.testing.assert_allclose(path.depth.values, [0.0, 40.0], atol=1e-9)
+    np.testing.assert_allclose(path.time.values[-1] * 1500.0, 60.0 * math.sqrt(2.0), rtol=1e-12)
+    assert path.end == "range"
 
 
 def test_eigenrays_are_told_by_launch_angle_with_their_intensity():
     even = water(kind="uniform", sound_speed=1500.0)
     rays = insonify.eigenrays(even, 30.0, 75.0, 50.0, bottom=50.0, reflections=2)
-    straight, by_surface = math.hypot(75.0, 20.0), math.hypot(75.0, 80.0)
-    by_both = math.hypot(75.0, 120.0)
-    np.testing.assert_allclose(np.sort(rays.time * 1500.0), [straight, by_surface, by_both], rtol=1e-12)
+    expected = [math.hypot(75.0, height) for height in (20.0, 80.0, 120.0)]  # straight, by the surface, by both
+    np.testing.assert_allclose(np.sort(rays.time * 1500.0), expected, rtol=1e-12)
     np.testing.assert_allclose(rays.intensity, (rays.time * 1500.0) ** -2.0, rtol=1e-9)
     assert (np.diff(rays.angle) > 0.0).all()
     assert sorted(zip(rays.by_surface.values.tolist(), rays.by_bottom.values.tolist())) == [(0, 0), (1, 0), (1, 1)]
     down = insonify.eigenrays(even, 10.0, 0.0, 40.0)  # one straight down spreads as any
     assert down.angle.values.tolist() == [90.0]
     assert float(down.intensity[0]) == pytest.approx(30.0**-2)
-
-
-def test_a_section_of_equal_profiles_joins_points_as_layers_do():
-    section = water(
-        kind="section", distance=[-10, 70, 900], depth=[0, 10, 20, 60], sound_speed=[[1520, 1520, 1500, 1498]] * 3
-    )
-    for x, depth in ((80.0, 40.0), (300.0, 15.0), (30.0, 60.0)):
-        ours, layered = (
-            insonify.eigenrays(kind, 5.0, x, depth, bottom=60.0, reflections=1) for kind in (section, LAYERED)
-        )
-        assert ours.sizes == layered.sizes
-        np.testing.assert_allclose(ours.angle, layered.angle, rtol=0, atol=1e-8)
-        np.testing.assert_allclose(ours.time, layered.time, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -233,11 +231,3 @@ def test_a_wrong_number_is_told_in_a_sentence(change, words):
         insonify.ray_paths(LAYERED, **given)
     with pytest.raises(SceneError, match="section"):  # which has no shadow zones
         insonify.shadow_zones(water(kind="section"), 5.0, 30.0, max_range=100.0)
-
-
-def test_a_declared_surface_sends_rays_back():
-    calm = water(kind="uniform", sound_speed=1500.0, surface={"kind": "flat"})
-    path = insonify.ray_paths(calm, 20.0, [-45.0], max_range=60.0, bottom=100.0, ranges=[20.0, 60.0]).isel(ray=0)
-    np.testing.assert_allclose(path.depth.values, [0.0, 40.0], atol=1e-9)
-    np.testing.assert_allclose(path.time.values[-1] * 1500.0, 60.0 * math.sqrt(2.0), rtol=1e-12)
-    assert path.end == "range"

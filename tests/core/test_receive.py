@@ -66,7 +66,7 @@ def test_taps_hold_the_pulse(length):
         np.testing.assert_allclose(taps, [*by_hand, *[0.0] * (taps.size - len(by_hand))], atol=1e-12)
 
 
-def test_an_echo_begins_at_its_range_and_lasts_the_pulse():
+def test_an_echo_begins_at_its_range_lasts_the_pulse_and_grows_with_it_which_light_does_not():
     traced = np.zeros((1, 2, BINS), np.float32)
     traced[0, 0, 400], traced[0, 1, 998] = 3.0, 1.0
     record = received(scene_with(), traced)
@@ -74,10 +74,7 @@ def test_an_echo_begins_at_its_range_and_lasts_the_pulse():
     np.testing.assert_allclose(record[0, 0, 398:404], [0.0, 0.0, 1.5, 2.625, 0.375, 0.0], atol=1e-6)
     np.testing.assert_allclose(record[0, 1, 996:], [0.0, 0.0, 0.5, 0.875], atol=1e-6)
     assert np.count_nonzero(record) == 5
-
-
-def test_an_even_echo_grows_with_the_pulse_and_light_does_not():
-    traced = np.ones((1, 2, BINS), np.float32)
+    traced[:] = 1.0
     np.testing.assert_allclose(received(scene_with(), traced)[:, :, 10:], 1.5, rtol=1e-6)
     np.testing.assert_allclose(received(scene_with(), traced, law=LIGHT)[:, :, 10:], 1.0, rtol=1e-6)
     longer = received(scene_with(sonar__pulse__duration=0.1), traced)  # than the record
@@ -137,14 +134,9 @@ def test_each_effect_is_had_alone_and_undone_by_taking_it_back(path, value):
 
 
 def test_the_mean_of_the_whole_way_is_the_mean_record():
-    declared = scene_with(
-        receiver__speckle="rayleigh",
-        receiver__fluctuation={"kind": "lognormal", "correlation_time": 0.1},
-        receiver__noise={"kind": "ambient", "level": -80.0},
-        receiver__source_level=10.0,
-        receiver__tvg="power",
-    )
-    ready = reception(declared, 100)
+    noise = {"receiver__noise": {"kind": "ambient", "level": -80.0}, "receiver__source_level": 10.0}
+    fluctuation = {"receiver__fluctuation": {"kind": "lognormal", "correlation_time": 0.1}}
+    ready = reception(scene_with(receiver__speckle="rayleigh", receiver__tvg="power", **noise, **fluctuation), 100)
     echo = np.full(100, 1e-6)
     traced = np.broadcast_to(echo.astype(np.float32), (6000, 2, 100)).copy()
     mean = receive(ready, traced, np.arange(6000)).astype(float).mean(axis=(0, 1))
@@ -342,17 +334,13 @@ def test_another_sonar_pings_at_its_own_rate():
     assert np.abs(off).max() < 2.0 * BIN_TIME
 
 
-def test_the_pings_of_another_sonar_have_phases_of_their_own():
+def test_pings_of_another_sonar_have_phases_of_their_own_and_without_speckle_energies_add():
     foreign = interference(level=-60.0, ping_rate=1e3, duration=1e-3)  # always on, as loud as the echo
     record = of(even(400, 200), receiver__speckle="rayleigh", track__speed=50.0, **foreign).astype(float) / 1e-6
     assert record.mean() == pytest.approx(2.0, abs=4.0 * math.sqrt(3.0 / record.size) * 3.0)
     assert record.var() == pytest.approx(3.0, rel=0.05)
     assert not np.array_equal(record, of(even(400, 200), seed=2, receiver__speckle="rayleigh", **foreign))
-
-
-def test_without_speckle_energies_add():
     ringing = {"kind": "decay", "level": -60.0, "time": 1.0}
-    foreign = interference(level=-60.0, ping_rate=1e3, duration=1e-3)
     record = of(even(), receiver__ringing=ringing, **foreign).astype(float) / 1e-6
     np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-TIME), record.shape), rtol=1e-5)
 

@@ -165,9 +165,8 @@ def test_variables_are_given_as_a_dataset_takes_them():
     block = make_record_block(data, coordinates, {"title": "made up"})
     xr.testing.assert_identical(block.to_dataset(), xr.Dataset(data, coordinates, {"title": "made up"}))
     assert set(block.coordinates) == {"target", "channel", "ping_time"}
-    np.testing.assert_array_equal(
-        block.variables["level"].along("ping_time", "channel"), np.arange(6.0).reshape(2, 3).T
-    )
+    level = block.variables["level"].along("ping_time", "channel")
+    np.testing.assert_array_equal(level, np.arange(6.0).reshape(2, 3).T)
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".zarr"])
@@ -203,9 +202,7 @@ def test_xarray_shows_units_and_values(tmp_path, suffix):
     xr.testing.assert_equal(found, expected)
     assert found.attrs == expected.attrs | {"Conventions": "CF-1.10"}
     assert found.slant_range.attrs == expected.slant_range.attrs
-    assert {name: found[name].dtype for name in found.data_vars} == {
-        name: expected[name].dtype for name in expected.data_vars
-    }
+    assert dict(found.dtypes) == dict(expected.dtypes)
     named = {"channel", "target", "bound", "target_id", "material", "path", "shadow_id", "caustic"}
     for name in set(found.variables) - named:
         assert found[name].attrs["units"], name
@@ -270,14 +267,21 @@ def test_a_swap_that_fails_puts_the_old_folder_back(tmp_path, monkeypatch):
     assert [file.name for file in tmp_path.rglob("*")] == ["a.zarr", "old"]
 
 
-@pytest.mark.parametrize("fault", ["missing", "empty", "text", "broken"])
-def test_what_is_no_store_is_one_sentence(tmp_path, fault):
-    path = tmp_path / "a.zarr"
-    if fault == "text":
-        path.write_text("no store")
-    elif fault != "missing":
-        path.mkdir()
-    if fault == "broken":
-        (path / "zarr.json").write_text('{"zarr_format": 3, "node_type"')
-    with pytest.raises(SceneError, match=r"a\.zarr: (does not exist|cannot be read)[^\n]*$"):
-        read_record(path)
+@pytest.mark.parametrize("name", ["a.nc", "a.npz"])
+def test_what_is_no_file_of_a_record_is_one_sentence(tmp_path, name):
+    names = name, "none.zarr", "text.zarr", "empty.zarr", "broken.zarr"
+    path, none, text, folder, broken = (tmp_path / each for each in names)
+    text.write_text("no store")
+    for missing in (path, none, text):
+        with pytest.raises(SceneError, match=rf"{missing.name}: does not exist; give the path of a record[^\n]*$"):
+            read_record(missing)
+    path.write_bytes(b"no record")
+    folder.mkdir()
+    broken.mkdir()
+    (broken / "zarr.json").write_text('{"zarr_format": 3, "node_type"')
+    for unreadable in (path, folder, broken):
+        with pytest.raises(SceneError, match=rf"{unreadable.name}: cannot be read[^\n]*$"):
+            read_record(unreadable)
+    np.savez(tmp_path / "b.npz", intensity=np.zeros((2, 3, 4)))
+    with pytest.raises(SceneError, match=r"is not a record \(it lacks slant_range"):
+        read_record(tmp_path / "b.npz")

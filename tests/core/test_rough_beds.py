@@ -42,10 +42,8 @@ def errors(scene: Scene, *misplaced: float, rays: int = 1 << 15) -> list[float]:
     packed = pack(scene)
     arrays, poses = packed.arrays, packed.poses(PINGS)
     right = ray_sheets.trace(arrays, poses, rays=rays)
-    records = (
-        sweep.trace(arrays._replace(limits=arrays.limits._replace(misplaced=share)), poses, planes=1)
-        for share in misplaced
-    )
+    divided = (arrays._replace(limits=arrays.limits._replace(misplaced=share)) for share in misplaced)
+    records = (sweep.trace(each, poses, planes=1) for each in divided)
     return [compare_records(arrays, poses, record, right).beyond for record in records]
 
 
@@ -71,14 +69,11 @@ def test_a_rough_bed_is_within_one_percent_of_exact_rays(relief, changes):
     assert errors(bare_knife(relief, **changes), 0.01)[0] < 1e-2
 
 
-def test_the_error_falls_with_the_share_that_may_be_misplaced():
+def test_the_error_falls_with_the_share_that_may_be_misplaced_and_smooth_beds_are_hardly_divided():
     for heading in (0.0, 37.0):
         whole, coarse, fine = errors(bare_knife(fractal(0.16), **{"track.heading": heading}), math.inf, 0.03, 0.003)
         assert fine < 0.4 * coarse
         assert coarse < 0.2 * whole
-
-
-def test_smooth_beds_are_hardly_divided():
     # A level of 1 % is kept by the cells as they are.
     whole, divided = errors(bare_knife(fractal(0.05, 1.8)), math.inf, 0.01)
     assert whole < 2e-3

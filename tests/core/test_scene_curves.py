@@ -29,7 +29,7 @@ VERTICALS = [
 ]
 
 
-def test_width_of_a_gaussian_beam_is_that_declared_and_the_near_field_of_a_long_array_has_one_too() -> None:
+def test_beams_have_their_declared_width_and_line_arrays_their_near_and_far_field() -> None:
     curve = beam_curve(edit(DEFAULT, {"sonar.beam": {"kind": "gaussian", "width": 2.0, "two_way": False}}))
     above = curve.x[curve.y >= -3.0103]
     assert np.ptp(above) == pytest.approx(2.0, abs=2.0 * (curve.x[1] - curve.x[0]))
@@ -38,9 +38,6 @@ def test_width_of_a_gaussian_beam_is_that_declared_and_the_near_field_of_a_long_
     near = beam_curve(scene)
     assert near.y.max() < -3.0, "no direction is within 3 dB of the far field's axis"
     assert float(near.note.split()[2].rstrip("°,")) > 0.0
-
-
-def test_far_field_of_a_line_array() -> None:
     length, frequency = 0.3, 400e3
     spec = {"kind": "array", "length": length, "two_way": False}
     curve = beam_curve(edit(DEFAULT, {"sonar.beam": spec, "sonar.frequency": frequency, **FAR}))
@@ -52,9 +49,8 @@ def test_far_field_of_a_line_array() -> None:
 @pytest.mark.parametrize("vertical", VERTICALS, ids=lambda spec: spec["kind"])
 @pytest.mark.parametrize("two_way", [True, False])
 def test_vertical_beam_is_that_of_the_tracers(vertical: dict[str, object], two_way: bool) -> None:
-    scene = edit(
-        DEFAULT, {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}, "sonar.vertical": vertical}
-    )
+    beam = {"kind": "gaussian", "width": 1.0, "two_way": two_way}
+    scene = edit(DEFAULT, {"sonar.beam": beam, "sonar.vertical": vertical})
     curve, pattern = vertical_beam_curve(scene), make_pattern(scene, SPEED)[1]
     angle = np.radians(curve.x)
     traced = np.empty(angle.size)
@@ -62,7 +58,7 @@ def test_vertical_beam_is_that_of_the_tracers(vertical: dict[str, object], two_w
     np.testing.assert_allclose(curve.y, np.maximum(10.0 * np.log10(np.maximum(traced, 1e-9)), FLOOR), atol=1e-6)
 
 
-def test_a_tone_lasts_as_long_as_it_is_and_has_the_spectrum_of_a_sinc() -> None:
+def test_a_tone_lasts_as_long_as_it_is_and_a_chirp_is_compressed_to_a_point_each_with_its_spectrum() -> None:
     duration, frequency = 2e-4, 300e3
     scene = edit(DEFAULT, {"sonar.pulse": {"kind": "tone", "duration": duration}, "sonar.frequency": frequency})
     curve = pulse_spectrum_curve(scene)
@@ -73,9 +69,6 @@ def test_a_tone_lasts_as_long_as_it_is_and_has_the_spectrum_of_a_sinc() -> None:
     echo = pulse_curve(scene)
     assert np.ptp(echo.x[echo.y > 0.5]) == pytest.approx(0.2, rel=2e-3)
     assert echo.note == "resolves 0.15 m"
-
-
-def test_a_chirp_is_compressed_to_a_point_and_fills_its_band() -> None:
     spec = {"kind": "chirp", "duration": 5e-3, "bandwidth": 40e3, "window": "uniform"}
     curve = pulse_spectrum_curve(edit(DEFAULT, {"sonar.pulse": spec, "sonar.frequency": 100e3}))
     assert np.median(curve.y[np.abs(curve.x - 100.0) < 15.0]) == pytest.approx(0.0, abs=1.0)

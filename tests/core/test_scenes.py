@@ -1,7 +1,5 @@
 """Bundled scenes and sonars, their pictures, partners, controls and links, and scenes as TOML."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -73,23 +71,20 @@ def test_any_numbers_survive_a_round_trip(changes):
     assert scene_from_toml(scene_to_toml(scene)) == scene
 
 
-def test_a_bare_name_stands_for_its_table():
-    scene = edit(load_scene("default"), {"sonar.beam": "knife", "seabed.relief": "flat", "seabed.material": "rock"})
-    assert plain(scene)["sonar"]["beam"] == {"kind": "knife"}
-    assert plain(scene)["seabed"]["relief"] == {"kind": "flat"}
-    assert plain(scene)["seabed"]["material"]["name"] == "rock"
-
-
-def test_changes_do_not_depend_on_their_order_and_are_never_made_in_place():
+def test_changes_take_bare_names_for_tables_in_any_order_and_are_never_made_in_place():
     changes = {"sonar.beam.width": 3.0, "sonar.beam.kind": "fan", "track.depth": 12.0, "track.altitude": None}
     knife = edit(load_scene("default"), {"sonar.beam.kind": "knife"})
     backwards = dict(reversed(changes.items()))
     assert edit(knife, changes) == edit(knife, backwards)
     with pytest.raises(ValueError, match="frozen"):
         knife.seed = 2
+    scene = edit(load_scene("default"), {"sonar.beam": "knife", "seabed.relief": "flat", "seabed.material": "rock"})
+    assert plain(scene)["sonar"]["beam"] == {"kind": "knife"}
+    assert plain(scene)["seabed"]["relief"] == {"kind": "flat"}
+    assert plain(scene)["seabed"]["material"]["name"] == "rock"
 
 
-def test_relative_paths_are_taken_from_the_scene(tmp_path):
+def test_relative_paths_and_a_partner_are_taken_from_the_scene_that_names_them(tmp_path):
     tow = '{ kind = "recorded", path = "tow.csv" }'
     for motion in (tow, f'{{ kind = "sum", of = ["heave", {tow}] }}'):
         text = f'[seabed]\nrelief = {{ kind = "dem", path = "bed.npy" }}\n[track]\nmotion = {motion}\n'
@@ -97,6 +92,13 @@ def test_relative_paths_are_taken_from_the_scene(tmp_path):
         scene = load_scene(tmp_path / "scene.toml")
         recorded = scene.track.motion if motion is tow else scene.track.motion.of[1]
         assert (scene.seabed.relief.path, recorded.path) == (str(tmp_path / "bed.npy"), str(tmp_path / "tow.csv"))
+    (tmp_path / "one.toml").write_text('title = "One"\npartner = ["other.toml", "seed=7"]\n')
+    (tmp_path / "other.toml").write_text('title = "Other"\n')
+    one = load_scene(tmp_path / "one.toml")
+    partner = load_partner(one)
+    assert partner is not None
+    assert (partner.title, partner.seed) == ("Other", 7)
+    assert load_partner(scene_from_toml(scene_to_toml(one))) == partner, "wherever the scene is saved"
 
 
 def test_every_scene_has_a_small_picture_and_pictures_are_those_of_scenes_and_meshes_and_light() -> None:
@@ -126,16 +128,6 @@ def test_scenes_of_one_figure_name_each_other_and_another_partner_is_the_same_wi
     ghosts = load_scene("ghosts")
     assert load_partner(ghosts) == edit(ghosts, {"water.surface": "none"})
     assert load_partner(load_scene("default")) is None
-
-
-def test_a_partner_lies_beside_the_file_that_names_it(tmp_path: Path) -> None:
-    (tmp_path / "one.toml").write_text('title = "One"\npartner = ["other.toml", "seed=7"]\n')
-    (tmp_path / "other.toml").write_text('title = "Other"\n')
-    one = load_scene(tmp_path / "one.toml")
-    partner = load_partner(one)
-    assert partner is not None
-    assert (partner.title, partner.seed) == ("Other", 7)
-    assert load_partner(scene_from_toml(scene_to_toml(one))) == partner, "wherever the scene is saved"
 
 
 @pytest.mark.parametrize(
@@ -196,16 +188,13 @@ def test_there_is_one_from_kayak_to_deep_tow():
     assert {100e3, 400e3, 455e3, 500e3, 600e3, 800e3, 900e3, 1.6e6} <= frequencies
 
 
-def test_fields_beside_a_preset_override_it():
+def test_fields_beside_a_preset_override_it_and_an_edit_replaces_it_or_keeps_its_numbers():
     table = "sonar = { preset = 'towfish-400', range = 75.0, beam = { width = 0.8 }, pulse = 'ideal' }\n"
     scene = scene_from_toml(f"{table}{BED}[receiver]\nsource_level = 200.0\n")
     assert (scene.sonar.range, scene.sonar.beam.kind, scene.sonar.beam.width) == (75.0, "gaussian", 0.8)
     assert (scene.sonar.pulse.kind, scene.sonar.frequency) == ("ideal", 400e3)
     assert (scene.receiver.source_level, scene.receiver.recorder.bits) == (200.0, 16)
     assert scene.sonar.ping_rate == pytest.approx(700.0 / 75.0, abs=1e-3)
-
-
-def test_an_edit_replaces_one_sonar_by_another_or_keeps_its_numbers_without_the_preset():
     scene = scene_from_toml(f"sonar = 'towfish-400'\n{BED}")
     for path in ("sonar", "sonar.preset"):
         other = edit(scene, {path: "kayak-800"})

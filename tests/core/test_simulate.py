@@ -19,10 +19,8 @@ from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
 
 ALIKE = {"segments": "0.003", "planes": "8", "spacing": "1"}  # records that differ in their scenes alone
-SMALL = edit(
-    load_scene("default"),
-    {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200},
-)
+COARSE = {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200}
+SMALL = edit(load_scene("default"), COARSE)
 
 
 def small(pings=20, **changes):
@@ -118,7 +116,6 @@ def test_labels_of_targets_alone_are_those_of_the_whole_and_change_no_record(nam
 def test_labels_alone_trace_no_record(monkeypatch):
     """In water with a double image pings are followed ray by ray, to be labelled and once more to be traced."""
     simulation = prepare(edit(load_scene("figure-3"), {"sonar.bins": 200}))
-
     monkeypatch.setattr("insonify.tracers.labels.trace", Mock(side_effect=AssertionError("a record is traced")))
     assert (simulation.truth(np.arange(2)).target_id == -1).any()
     with pytest.raises(AssertionError, match="traced"):

@@ -74,10 +74,6 @@ def test_parts_are_closed_face_outwards_and_have_their_volumes(triangles, expect
     assert volume(triangles) == expected
 
 
-def test_a_skin_lies_beneath_its_grid():
-    assert skin(FLAT, 0.1, PUNCHED)[..., 2].max() == 0.0
-
-
 def test_shares_depend_on_seed_and_name_alone():
     assert np.array_equal(draw_shares(1, "a", 9)[:4], draw_shares(1, "a", 4))
     assert not np.intersect1d(draw_shares(1, "a", 50), draw_shares(1, "b", 50)).size
@@ -86,11 +82,12 @@ def test_shares_depend_on_seed_and_name_alone():
     assert drawn.mean() == pytest.approx(0.5, abs=4 / np.sqrt(12 * 4000))
 
 
-def test_roughening_stays_within_its_height_and_keeps_parts_closed():
+def test_roughening_stays_within_its_height_and_keeps_parts_closed_and_a_skin_lies_beneath_its_grid():
     smooth = blocks([[0, 0, 0]], [1.0, 2.0, 3.0])
     rough = roughen(smooth, 0.2, 5)
     assert is_closed(rough)
     assert 0.0 < np.abs(rough - smooth).max() <= 0.2 + 1e-6
+    assert skin(FLAT, 0.1, PUNCHED)[..., 2].max() == 0.0
 
 
 @pytest.mark.parametrize(("kind", "name", "value"), CASES)
@@ -109,11 +106,10 @@ def test_a_whole_one_is_as_long_and_as_broad_as_declared_and_each_closed_and_of_
     for number in range(3):
         state = dict.fromkeys(shares, 0.5 * number) | ({"engines": 4} if kind is Aircraft else {})
         shape = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape()
-        triangles = shape.triangles
-        assert np.isfinite(triangles).all()
+        assert np.isfinite(shape.triangles).all()
         assert shape.closed
-        assert is_closed(triangles)
-        assert 400 < len(triangles) < 9000
+        assert is_closed(shape.triangles)
+        assert 400 < len(shape.triangles) < 9000
 
 
 @pytest.mark.parametrize("kind", [Wreck, Aircraft])
@@ -122,11 +118,9 @@ def test_the_same_fields_make_the_same_mesh_and_every_field_another(kind):
     first = kind(**base).build().triangles
     assert np.array_equal(first, kind(**base).build().triangles)
     others = {"length": 13.0, "seed": 2, "broken": 0.5, "buried": 0.2, "growth": 0.1, "pitch": 8.0, "roll": 8.0}
-    others |= (
-        {"form": "tug", "beam": 5.0, "timber": True, "decay": 0.6}
-        if kind is Wreck
-        else {"plan": "delta", "span": 9.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4}
-    )
+    of_wreck = {"form": "tug", "beam": 5.0, "timber": True, "decay": 0.6}
+    of_aircraft = {"plan": "delta", "span": 9.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4}
+    others |= of_wreck if kind is Wreck else of_aircraft
     for name, value in others.items():
         changed = kind(**{**base, name: value}).build().triangles
         assert changed.shape != first.shape or not np.allclose(changed, first), name
@@ -173,10 +167,6 @@ def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
     assert (record.shadow > 0.5).sum() > 50
 
 
-MAST = np.arange(352, 378)  # pings about it
-STARBOARD = 1
-
-
 def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
     corners = read_mesh("wreck")
     assert 5_000 < len(corners) < 20_000
@@ -200,14 +190,14 @@ def test_the_shadows_are_as_deep_as_the_real_ones_and_hull_and_mast_are_in_the_r
     # 24.7 dB in the real recording.
     assert measure_statistics(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
     simulation, without = prepare(scene), prepare(edit(scene, {"targets": []}))
-    pings = np.arange(240, 300, 4)
-    a, b = (s.intensity(pings)[:, STARBOARD] for s in (simulation, without))
+    starboard, pings, of_mast = 1, np.arange(240, 300, 4), np.arange(352, 378)
+    a, b = (s.intensity(pings)[:, starboard] for s in (simulation, without))
     ratio = 10.0 * np.log10(a.mean(axis=0) / b.mean(axis=0))
     assert ratio[170:450].max() > 6.0  # the sides
     assert ratio[400:560].min() < -15.0  # the shadow beyond
     # The mast throws its own to the last bin.
-    heard = simulation.intensity(MAST)[:, STARBOARD, 620:]
-    far = 10.0 * np.log10(heard.reshape(len(MAST), 4, -1).mean(axis=2))  # four stretches of range
+    heard = simulation.intensity(of_mast)[:, starboard, 620:]
+    far = 10.0 * np.log10(heard.reshape(len(of_mast), 4, -1).mean(axis=2))  # four stretches of range
     dark = far < np.median(far, axis=0) - 12.0
     assert (dark.sum(axis=0) >= 3).all()
     assert (dark.sum(axis=0) <= 9).all()

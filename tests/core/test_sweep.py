@@ -145,9 +145,7 @@ def test_a_slope_agrees_with_brute_force(slope):
     twin = naive.naive_ping(arrays, 0.0, 0.0, 5.0, 0.0, samples_per_cell=400)
     assert distance(record, twin) < 0.02
     # Nearest is the foot of the perpendicular, on the falling side, nadir on the other.
-    nearest = 5.0 / math.hypot(1.0, slope)
-    first = min(np.flatnonzero(side)[0] for side in record)
-    assert first == int(nearest / 0.1)
+    assert min(np.flatnonzero(side)[0] for side in record) == int(5.0 / math.hypot(1.0, slope) / 0.1)
 
 
 @pytest.mark.parametrize("half_width", [0.0, 0.03])
@@ -183,8 +181,7 @@ def test_grids_of_one_row(shape):
 
 
 def test_nothing_in_the_way_of_a_target_above_a_hole():
-    heights = np.full((40, 40), np.nan)
-    arrays = arrays_of(heights, 0.5, solids=[((10.0, 15.0, 2.0), 1.0)], bins=400)
+    arrays = arrays_of(np.full((40, 40), np.nan), 0.5, solids=[((10.0, 15.0, 2.0), 1.0)], bins=400)
     record = quiet(arrays, poses_of(10.0, 5.0, 4.0))[0]
     heard = np.flatnonzero(record[0]) * 0.05
     assert heard[0] == pytest.approx(math.hypot(10.0, 2.0) - 1.0, abs=0.051)

@@ -83,9 +83,8 @@ def test_divided_sectors_leave_no_azimuth_out_and_none_twice(planes, across):
 
 def test_divided_sectors_of_a_pattern_are_those_of_its_planes():
     half = math.radians(2.0)
-    arrays = arrays_of(
-        np.zeros((8, 8)), 4.0, periodic=True, half_width=half, pattern=gaussian_pattern(half), solids=[BALL]
-    )
+    beam = {"half_width": half, "pattern": gaussian_pattern(half)}
+    arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, solids=[BALL], **beam)
     poses = poses_of(0.0, 0.0, 8.0)
     [(_, whole)], [(_, divided)] = (lay_planes(arrays, poses, 2, across=across) for across in (0, 16))
     assert divided.azimuth.size > whole.azimuth.size

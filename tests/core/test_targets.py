@@ -7,7 +7,7 @@ import pytest
 
 from insonify.kernels.common.types import FRUSTUM
 from insonify.kernels.geometry.cross_sections import HalfPlane, may_cut_solid, section_solid, solid_distance_bound
-from insonify.scene import build, edit, load_scene, scene_from_toml
+from insonify.scene import build, edit, load_scene
 from insonify.scene.targets import TARGETS, Target
 from insonify.scene.targets.shape import rotation_matrix
 from insonify.simulation import prepare, simulate
@@ -18,12 +18,10 @@ POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, 
 HALF_A_BOX = np.array([1.5, 1.0, 0.5])
 
 
-def arrays(targets: str):
-    return prepare(scene_from_toml(f"[seabed]\ndepth = 30.0\n[[targets]]\n{targets}")).arrays
-
-
-def turned(heading, pitch, roll) -> str:
-    return f"heading = {heading}\npitch = {pitch}\nroll = {roll}"
+def arrays(kind, position=(3.0, -2.0), pose=(0, 0, 0), **fields):
+    """Arrays of a scene with one target, 30 m deep."""
+    target = {"kind": kind, "position": [*position], **dict(zip(POSE, pose)), **fields}
+    return prepare(build({"seabed": {"depth": 30.0}, "targets": [target]})).arrays
 
 
 @pytest.mark.parametrize(
@@ -48,7 +46,7 @@ def test_heading_pitch_and_roll_turn_bow_up_and_port_up_in_this_order(pose, side
 
 @pytest.mark.parametrize("pose", POSES)
 def test_a_box_stands_where_its_corners_are_with_the_gap_under_its_lowest_point_and_is_closed(pose):
-    mesh = arrays(f'kind = "box"\nposition = [3.0, -2.0, -20.0]\nsize = [3.0, 2.0, 1.0]\n{turned(*pose)}').mesh
+    mesh = arrays("box", [3.0, -2.0, -20.0], pose, size=[3.0, 2.0, 1.0]).mesh
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     expected = (signs * HALF_A_BOX) @ rotation_matrix(*pose).T + [3.0, -2.0, 10.0]
     found = np.unique(mesh.corners.reshape(-1, 3).round(9), axis=0)
@@ -58,17 +56,14 @@ def test_a_box_stands_where_its_corners_are_with_the_gap_under_its_lowest_point_
     assert np.linalg.det(corners).sum() / 6.0 == pytest.approx(6.0)
     assert mesh.closed.all()
     for gap in (0.0, 0.75, -0.25):
-        box = f'kind = "box"\nposition = [3.0, -2.0]\nsize = [3.0, 2.0, 1.0]\ngap = {gap}\n{turned(*pose)}'
-        z = arrays(box).mesh.corners[..., 2]
+        z = arrays("box", pose=pose, size=[3.0, 2.0, 1.0], gap=gap).mesh.corners[..., 2]
         assert z.min() == pytest.approx(gap, abs=1e-12)
         assert np.ptp(z) == pytest.approx(2.0 * abs(rotation_matrix(*pose)[2]) @ HALF_A_BOX)
 
 
 @pytest.mark.parametrize("pose", POSES)
 def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
-    solids = arrays(
-        f'kind = "cone"\nposition = [3.0, -2.0]\nradius = 0.8\nheight = 1.5\ngap = 0.25\n{turned(*pose)}'
-    ).solids
+    solids = arrays("cone", pose=pose, radius=0.8, height=1.5, gap=0.25).solids
     up, base = solids.axis[0], solids.start[0]
     assert solids.shape[0] == FRUSTUM
     # Points of the rim, and the apex.
@@ -84,20 +79,20 @@ def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
 
 @pytest.mark.parametrize(("pitch", "lowest"), [(0.0, -0.5), (90.0, -2.0), (30.0, -1.0 - 0.5 * math.cos(math.pi / 6))])
 def test_a_pitched_pipe_stands_on_its_lower_rim(pitch, lowest):
-    solids = arrays(f'kind = "pipe"\nposition = [3.0, -2.0]\nlength = 4.0\npitch = {pitch}').solids
+    solids = arrays("pipe", length=4.0, pitch=pitch).solids
     middle = solids.start[0] + 2.0 * solids.axis[0]
     np.testing.assert_allclose(middle, [3.0, -2.0, -lowest], atol=1e-12)
 
 
 @pytest.mark.parametrize(
-    "kind", ['kind = "sphere"', 'kind = "cone"\nradius = 0.5', 'kind = "box"\nsize = [1.0, 1.0, 1.0]']
+    "fields", [{"kind": "sphere"}, {"kind": "cone", "radius": 0.5}, {"kind": "box", "size": [1.0] * 3}]
 )
-def test_z_places_the_centre_in_the_world_and_a_gap_above_the_bed(kind):
-    here = arrays(f"{kind}\nposition = [3.0, -2.0, -25.0]")
+def test_z_places_the_centre_in_the_world_and_a_gap_above_the_bed(fields):
+    here = arrays(position=[3.0, -2.0, -25.0], **fields)
     middles = here.solids.start + 0.5 * here.solids.length[:, None] * here.solids.axis
     assert [*middles[:, 2], *(here.mesh.low[:1, 2] + 0.5)] == pytest.approx([5.0])
-    if "sphere" in kind:
-        gaps = [arrays(f"{kind}\nposition = [3.0, -2.0]\ngap = {gap}").solids.start[0, 2] for gap in (-0.5, 2)]
+    if fields["kind"] == "sphere":
+        gaps = [arrays("sphere", gap=gap).solids.start[0, 2] for gap in (-0.5, 2)]
         assert gaps == [0.0, 2.5]
 
 
@@ -110,14 +105,11 @@ def test_what_rests_on_a_rough_bed_rests_on_the_height_at_its_position():
 
 
 def test_every_target_has_its_own_material_and_number():
-    text = "\n".join(
-        f'[[targets]]\nposition = [{x}, 0.0]\nmaterial = "{material}"\n{kind}'
-        for x, material, kind in [
-            (0, "rock", 'kind = "box"'), (3, "steel", 'kind = "cone"'), (6, "silt", 'kind = "mesh"\npath = "tetrapod"'),
-            (9, "rock", 'kind = "pipe"\ngap = [[-5.0, 0.0], [0.0, 1.0], [5.0, 0.0]]'), (50, "concrete", 'kind = "box"'),
-        ]
-    )  # fmt: skip
-    made = prepare(scene_from_toml(text)).arrays
+    span = {"kind": "pipe", "gap": [[-5.0, 0.0], [0.0, 1.0], [5.0, 0.0]]}
+    kinds = {"kind": "box"}, {"kind": "cone"}, {"kind": "mesh", "path": "tetrapod"}, span, {"kind": "box"}
+    rows = zip(kinds, (0.0, 3.0, 6.0, 9.0, 50.0), ("rock", "steel", "silt", "rock", "concrete"))
+    targets = [kind | {"position": [x, 0.0], "material": name} for kind, x, name in rows]
+    made = prepare(build({"targets": targets})).arrays
     np.testing.assert_array_equal(made.solids.target, [1, 3, 3, 3, 3, 3, 3, 3])
     np.testing.assert_array_equal(made.solids.material, made.solids.target + 1)
     np.testing.assert_array_equal(np.unique(made.mesh.target), [0, 2, 4])
@@ -141,17 +133,17 @@ def test_all_bodies_take_the_same_pose_and_look_alike_if_they_are_round_about_it
     assert {"position", *POSE, "gap", "material"} <= set(TARGETS.models(Target)[kind].model_fields)
 
 
-TURNED = {
-    "sphere": 'kind = "sphere"\nradius = 0.7',
-    "pipe": 'kind = "pipe"\nlength = 4.0\nradius = 0.3\n' + turned(20, 30, 40),
-    "long pipe": 'kind = "pipe"\nlength = 40.0\nradius = 0.3\n' + turned(20, 30, 40),
-    "cone": 'kind = "cone"\n' + turned(20, 30, 40),
-}
+BODIES = [("sphere", {"radius": 0.7}), ("cone", {}), *(("pipe", {"length": n, "radius": 0.3}) for n in (4.0, 40.0))]
 
 
-@pytest.mark.parametrize("kind", TURNED)
-def test_no_point_of_a_body_is_nearer_than_its_bound(kind):
-    solids = arrays(f"{TURNED[kind]}\nposition = [3.0, 5.0]").solids
+@pytest.fixture(scope="module", params=BODIES, ids=["sphere", "cone", "pipe", "long pipe"])
+def solids(request):
+    """Solids of a body that is turned."""
+    kind, fields = request.param
+    return arrays(kind, [3.0, 5.0], (20, 30, 40), **fields).solids
+
+
+def test_no_point_of_a_body_is_nearer_than_its_bound(solids):
     rng = np.random.default_rng(5)
     for k in range(solids.shape.size):
         middle = solids.start[k] + 0.5 * solids.length[k] * solids.axis[k]
@@ -163,10 +155,8 @@ def test_no_point_of_a_body_is_nearer_than_its_bound(kind):
             assert nearest - 4.0 * solids.radius[k] - solids.length[k] <= bound <= nearest
 
 
-@pytest.mark.parametrize("kind", TURNED)
-def test_half_planes_that_cut_a_body_within_reach_are_kept(kind):
+def test_half_planes_that_cut_a_body_within_reach_are_kept(solids):
     """A plane is passed over only if it misses the body or has the beam nowhere on it, by points of the body."""
-    solids = arrays(f"{TURNED[kind]}\nposition = [3.0, 5.0]").solids
     rng, rim, kept = np.random.default_rng(7), np.zeros(6), [0, 0]
     middle = solids.start[0] + 0.5 * solids.length[0] * solids.axis[0]
     widest = max(solids.radius[0], solids.radius[0] + solids.taper[0] * solids.length[0])

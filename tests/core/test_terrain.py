@@ -29,7 +29,7 @@ def scene(**seabed):
     return build({"seabed": {"depth": 30.0, "spacing": 0.1, "relief": FRACTAL} | seabed})
 
 
-def test_made_ground_is_periodic_from_the_local_origin():
+def test_made_ground_is_periodic_from_the_local_origin_and_small_where_it_is_level():
     base = scene()
     ground = build_ground(base)
     assert (ground.heights.shape, ground.heights.dtype) == ((128, 128), np.float32)
@@ -42,17 +42,21 @@ def test_made_ground_is_periodic_from_the_local_origin():
     odd = build_ground(scene(relief=FRACTAL | {"period": 10.04}))  # no whole number of cells
     assert odd.heights.shape == (100, 100)
     assert odd.spacing * 100 == pytest.approx(10.04, rel=1e-12)
+    level = build_ground(scene(relief="flat"))
+    assert level.periodic
+    assert level.heights.size <= 64
+    assert not level.heights.any()
+    mapped = build_ground(scene(relief="flat", material={"kind": "patches", "of": ["silt", "rock"]}))
+    assert mapped.heights.shape == (1024, 1024)
+    assert mapped.spacing * 1024 == pytest.approx(102.4)
 
 
-def test_ground_depends_on_the_seed_and_not_on_the_track():
+def test_ground_depends_on_the_seed_and_not_on_the_track_depth_or_numbers_of_materials():
     seabed = scene().seabed.model_dump()
     changes = {}, {"track": {"start": [500.0, -40.0], "heading": 30.0}}, {"seed": 2}
     one, elsewhere, reseeded = (build_ground(build({"seabed": seabed} | change)).heights for change in changes)
     np.testing.assert_array_equal(one, elsewhere)
     assert np.abs(one - reseeded).max() > 0.05
-
-
-def test_heights_and_maps_are_kept_while_depth_and_numbers_of_materials_change():
     first, second = build_ground(scene()), build_ground(scene(depth=40.0, material="rock"))
     assert second.heights is first.heights
     assert second.datum == -40.0
@@ -65,17 +69,7 @@ def test_heights_and_maps_are_kept_while_depth_and_numbers_of_materials_change()
     assert second.reflectivities[1].diffuse == 0.3
 
 
-def test_level_bed_is_small_unless_a_map_needs_room():
-    level = build_ground(scene(relief="flat"))
-    assert level.periodic
-    assert level.heights.size <= 64
-    assert not level.heights.any()
-    mapped = build_ground(scene(relief="flat", material={"kind": "patches", "of": ["silt", "rock"]}))
-    assert mapped.heights.shape == (1024, 1024)
-    assert mapped.spacing * 1024 == pytest.approx(102.4)
-
-
-def test_relief_samples_one_period_on_any_shape_that_has_nodes():
+def test_relief_samples_one_period_on_any_shape_that_has_nodes_and_dunes_are_as_high_as_on_their_ground():
     fractal, ripples = scene().seabed, Seabed(relief={"kind": "ripples"})
     for made, shape in ((fractal, (32, 200)), (Seabed(), (3, 5)), *((ripples, s) for s in ((1, 1), (1, 7), (7, 1)))):
         heights = relief(made, shape)
@@ -88,6 +82,9 @@ def test_relief_samples_one_period_on_any_shape_that_has_nodes():
                 relief(Seabed(relief={"kind": kind}), shape)
     with pytest.raises(SceneError, match=r"^seabed\.relief\.period: 0\.2 m spans 2 cells .*; lengthen it"):
         build_ground(scene(relief=FRACTAL | {"period": 0.2}))
+    for spacing in (0.4, 1e3):
+        dunes = scene(relief="mimic", spacing=spacing)
+        np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
 
 
 def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):
@@ -103,12 +100,6 @@ def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):
     np.save(tmp_path / "bed.npy", np.arange(15.0).reshape(5, 3))
     picture = relief_picture(scene(relief={"kind": "dem", "path": str(tmp_path / "bed.npy")}))
     np.testing.assert_array_equal(picture[::-1], np.rint(np.arange(15.0).reshape(5, 3) * 255.0 / 14.0))
-
-
-def test_dunes_are_as_high_alone_as_on_their_ground_however_coarse():
-    for spacing in (0.4, 1e3):
-        dunes = scene(relief="mimic", spacing=spacing)
-        np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
 
 
 @pytest.mark.parametrize("material", [Patches(of=THREE, size=3.0), FractalMap(of=THREE)])
@@ -141,9 +132,8 @@ def test_maps_keep_their_places_on_other_grids():
 def test_patches_agree_with_the_slow_search():
     rng = np.random.default_rng(0)
     squares = [(i % 5, j % 5, i, j) for i in range(-4, 10) for j in range(-4, 10)]
-    points = np.array(
-        [(i + hash_uniform(9, 3, a, b, ACROSS), j + hash_uniform(9, 3, a, b, ALONG)) for a, b, i, j in squares]
-    )
+    places = [(i + hash_uniform(9, 3, a, b, ACROSS), j + hash_uniform(9, 3, a, b, ALONG)) for a, b, i, j in squares]
+    points = np.array(places)
     for u, v in rng.uniform(0.0, 5.0, (300, 2)):
         a, b, _, _ = squares[np.argmin(np.hypot(points[:, 0] - u, points[:, 1] - v))]
         assert nearest_seed_hash(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
@@ -311,7 +301,7 @@ def test_a_pattern_longer_than_its_bed_is_stretched_to_it_or_refused():
         ground_of(pattern(period=500.0))  # of a level bed
 
 
-def test_waves_blend_from_the_first_to_the_last_and_back_and_mix_the_variance_of_speckle():
+def test_waves_blend_from_the_first_to_the_last_and_back_mix_the_variance_of_speckle_and_are_named_by_truth():
     layout = PatternMap(of=BANDS, shape="waves", period=6.0)
     names, numbers = layout.rows()
     assert len(names) == len(numbers) == len(set(names)) == GRADES
@@ -327,9 +317,6 @@ def test_waves_blend_from_the_first_to_the_last_and_back_and_mix_the_variance_of
     assert 1.0 / whole[51].speckle_shape == pytest.approx(0.8 / 2.0 + 0.2 / 10.0)
     assert half_given[0].speckle_shape == 2.0
     assert {row.speckle_shape for row in half_given[1:]} == {None}
-
-
-def test_truth_names_graded_rows():
     seabed = {"spacing": 0.2, "material": pattern(shape="waves", period=8.0)}
     sonar = {"range": 20.0, "bins": 100, "beam": "knife"}
     scene = build({"seabed": seabed, "sonar": sonar, "track": {"pings": 2}})
@@ -349,13 +336,17 @@ def picture(folder, rows, name="map.png", dtype=np.uint8, palette=None):
     return str(folder / name)
 
 
-def test_a_picture_lies_north_up_from_the_origin(tmp_path):
+def test_a_picture_lies_north_up_from_the_origin_and_gives_way_to_a_bed_that_repeats(tmp_path):
     path = picture(tmp_path, [[0, 255], [255, 255], [0, 0]])
     ground = ground_of({"kind": "image", "path": path, "of": ["silt", "rock"], "width": 4.0})
     assert ground.materials.shape == (60, 40)
     x, y = np.meshgrid(np.arange(0.05, 8.0, 0.1), np.arange(-5.95, 6.0, 0.1))
     expected = np.array([[0, 0], [1, 1], [0, 1]])[np.floor(y / 2.0).astype(int) % 3, np.floor(x / 2.0).astype(int) % 2]
     np.testing.assert_array_equal(unrolled(ground, x, y), expected)
+    layout = ImageMap(path=picture(tmp_path, [[0, 255]]), of=TWO, width=3.0)
+    squeezed, free = (material_indices(layout, lattice, 1)[0] for lattice in (Lattice((4, 100), 0.1), FREE))
+    np.testing.assert_array_equal(squeezed, np.floor((np.arange(100) + 0.5) * 0.1 / (10.0 / 6.0)) % 2)
+    np.testing.assert_array_equal(free, np.floor(X / 1.5) % 2)
 
 
 def test_grey_of_any_depth_colours_and_palettes_choose_materials(tmp_path):
@@ -372,21 +363,13 @@ def test_grey_of_any_depth_colours_and_palettes_choose_materials(tmp_path):
         np.testing.assert_array_equal(material_indices(layout, Lattice((1, len(expected)), 1.0), 1), [expected])
 
 
-def test_a_picture_gives_way_to_a_bed_that_repeats_and_stays_on_one_that_does_not(tmp_path):
-    layout = ImageMap(path=picture(tmp_path, [[0, 255]]), of=TWO, width=3.0)
-    squeezed, free = (material_indices(layout, lattice, 1)[0] for lattice in (Lattice((4, 100), 0.1), FREE))
-    np.testing.assert_array_equal(squeezed, np.floor((np.arange(100) + 0.5) * 0.1 / (10.0 / 6.0)) % 2)
-    np.testing.assert_array_equal(free, np.floor(X / 1.5) % 2)
-
-
 def test_a_picture_lies_beside_its_scene_and_is_read_anew(tmp_path):
     layout = {"kind": "image", "path": picture(tmp_path, [[0, 255]]), "of": ["silt", "rock"], "width": 4.0}
     first = ground_of(layout).materials.copy()
     picture(tmp_path, [[255, 0, 0]])
     assert ground_of(layout).materials.tolist() != first.tolist()
-    (tmp_path / "scene.toml").write_text(
-        '[seabed]\nmaterial = { kind = "image", path = "map.png", of = ["silt", "rock"] }\n'
-    )
+    material = '{ kind = "image", path = "map.png", of = ["silt", "rock"] }'
+    (tmp_path / "scene.toml").write_text(f"[seabed]\nmaterial = {material}\n")
     assert plain(load_scene(tmp_path / "scene.toml"))["seabed"]["material"]["path"] == str(tmp_path / "map.png")
 
 

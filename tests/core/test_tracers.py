@@ -80,7 +80,7 @@ def strips():
         yield find_tracer("strips")
 
 
-def test_a_tracer_of_somebody_elses_is_a_method_that_is_planned_by_its_ladder(strips):
+def test_a_tracer_of_somebody_elses_is_a_method_that_is_planned_by_its_ladder_and_simulated(strips, tmp_path):
     assert list_methods()[1:] == ("sweep", "march", "rays", "strips")
     assert find_tracer("strips") is strips
     coarse, fine = (insonify.plan(SCENE, tolerance, method="strips") for tolerance in (0.5, 0.1))
@@ -91,9 +91,6 @@ def test_a_tracer_of_somebody_elses_is_a_method_that_is_planned_by_its_ladder(st
     assert entry.error < 0.1 < coarse.entry("fineness").error < 0.5
     assert insonify.plan(SCENE, method="strips", forced={"fineness": "64"}).settings == {"strips": 64}
     assert insonify.plan(SCENE).method == "sweep"  # chosen by those alone that ask for it
-
-
-def test_it_is_simulated_with_receiver_and_labels(strips, tmp_path):
     record = insonify.simulate(SCENE, method="strips", truth=True)
     assert np.isfinite(record.intensity).all()
     assert record.intensity.values.any()
@@ -126,11 +123,10 @@ TRACES = {
     "sheets": partial(ray_sheets.trace, sheets=4, rays=100),
 }
 FINE = {"sweep": sweep.trace, "rays": partial(rays.trace, rays=5000)}
+THERMOCLINE = [-50.0, 2.0, 6.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0]
 WATERS = {
     "even": lambda arrays: arrays,
-    "thermocline": lambda arrays: arrays._replace(
-        water=water_about(8.0, [-50.0, 2.0, 6.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0])
-    ),
+    "thermocline": lambda arrays: arrays._replace(water=water_about(8.0, *THERMOCLINE)),
     "sea": lambda arrays: under_sea(arrays, 14.0, *WAYS, wind_speed=4.0),
 }
 # Rays in sheets are traced without a sea.

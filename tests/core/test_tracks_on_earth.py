@@ -16,19 +16,18 @@ GPX = """<?xml version="1.0"?>
 EASTING, NORTHING = 560_000.0, 6_500_000.0
 
 
-def fixes(pings=6):
+def fixes():
     """A line at 30° on the map EPSG:32631, 1 m a second, as longitude and latitude."""
-    along = np.arange(pings, dtype=float)
+    along = np.arange(6.0)
     x, y = along * np.cos(np.pi / 6), along * np.sin(np.pi / 6)
     transform = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:4326", always_xy=True)
     return x, y, *transform.transform(EASTING + x, NORTHING + y)
 
 
-def write_gpx(path, pings=6, time="<time>2024-05-01T12:00:{second:02d}Z</time>"):
-    _, _, lon, lat = fixes(pings)
-    point = '<trkpt lat="{lat}" lon="{lon}"><ele>3</ele>' + time + "</trkpt>"
-    points = (point.format(lat=b, lon=a, second=k) for k, (a, b) in enumerate(zip(lon, lat)))
-    path.write_text(GPX.format(points="".join(points)))
+def write_gpx(path):
+    _, _, lon, lat = fixes()
+    point = '<trkpt lat="{}" lon="{}"><ele>3</ele><time>2024-05-01T12:00:{:02d}Z</time></trkpt>'
+    path.write_text(GPX.format(points="".join(map(point.format, lat, lon, range(6)))))
     return path
 
 
@@ -112,10 +111,8 @@ def test_a_real_recording_is_a_track(real_recording, tmp_path):
 def test_a_broken_track_is_one_sentence(tmp_path, name, content, expected):
     path = tmp_path / name
     path.write_text(content)
-    with pytest.raises(SceneError, match=r"track\.motion\.path") as caught:
+    with pytest.raises(SceneError, match=rf"^[^\n]*track\.motion\.path[^\n]*{expected}[^\n]*$"):
         read_navigation(str(path))
-    assert expected in str(caught.value)
-    assert "\n" not in str(caught.value)
     # Latitude and longitude do not displace x and y.
     (tmp_path / "b.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
     tow = read_navigation(str(tmp_path / "b.csv"))

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import Mock
 
 import pytest
 
@@ -224,10 +226,8 @@ def test_a_writer_at_work_renews_its_lease(tmp_path, monkeypatch):
 
 
 def test_a_disk_without_locks_is_none_that_refuses(tmp_path, monkeypatch):
-    def refuse(*words):
-        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
-
-    monkeypatch.setattr(operating_system.fcntl, "flock", refuse)
+    refused = OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+    monkeypatch.setattr(operating_system.fcntl, "flock", Mock(side_effect=refused))
     with unfinished_folder(tmp_path / "record.nc") as folder:
         assert (folder / atomic.LEASE).read_text() == atomic.UNLOCKED
         assert is_leased(folder)
@@ -262,12 +262,10 @@ def test_threads_that_write_one_file_have_a_temporary_file_each(tmp_path):
             beside.write_text(text)
             meeting.wait()
 
-    threads = [threading.Thread(target=write, args=(str(number) * 1000,)) for number in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert path.read_text() in {str(number) * 1000 for number in range(4)}
+    texts = [str(number) * 1000 for number in range(4)]
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, texts))
+    assert path.read_text() in texts
     assert list(tmp_path.iterdir()) == [path]
 
 

@@ -23,7 +23,7 @@ def profile(**changes):
     return {"kind": "profile", "depth": DEPTHS, "sound_speed": SPEEDS, **changes}
 
 
-def test_heights_count_from_the_mean_bed_upwards_and_none_lies_under_the_bed_or_over_the_surface():
+def test_heights_count_from_the_mean_bed_up_to_the_surface_and_the_reference_is_the_speed_at_the_sonar():
     water = make_water(scene_in(profile()), -30.0)
     assert (water.bent, water.surface, water.station.size) == (True, 30.0, 1)
     np.testing.assert_array_equal(water.height, [-30.0, 14.0, 22.0, 28.0])
@@ -33,9 +33,6 @@ def test_heights_count_from_the_mean_bed_upwards_and_none_lies_under_the_bed_or_
     assert water.speed[0, 0] == np.interp(30.5, (16.0, 60.0), (1501.0, 1500.0))
     deep = make_water(scene_in(profile(depth=[40.0, 50.0, 60.0, 70.0])), -30.0, -0.5)
     assert (deep.bent, deep.reference) == (False, SPEEDS[0])
-
-
-def test_the_reference_is_the_speed_at_the_sonar():
     scene = scene_in(profile(), **{"track.altitude": 18.0})
     assert make_water(scene, -30.0).reference == speed_at_sonar(scene) == np.interp(12.0, DEPTHS, SPEEDS)
     deep = edit(scene, {"track.altitude": None, "track.depth": 7.0})
@@ -49,22 +46,11 @@ def test_the_reference_is_the_speed_at_the_sonar():
 EVEN = {"kind": "profile", "depth": [0.0, 20.0], "sound_speed": [1480.0, 1480.0]}
 
 
-@pytest.mark.parametrize(
-    "water",
-    [
-        EVEN,
-        EVEN | {"interpolation": "pchip"},
-        {"kind": "section", "distance": [0.0, 9.0], "depth": [0.0, 20.0], "sound_speed": [[1480.0] * 2] * 2},
-        {"kind": "uniform", "sound_speed": 1480.0},
-    ],
-)
-def test_water_of_one_speed_bends_nothing(water):
-    made = make_water(scene_in(water), -30.0)
-    assert not made.bent
-    assert made.reference == 1480.0
-
-
-def test_even_water_of_any_kind_gives_the_same_record_and_leaves_echoes_their_time():
+def test_water_of_one_speed_bends_nothing_gives_the_same_record_and_leaves_echoes_their_time():
+    section = {"kind": "section", "distance": [0.0, 9.0], "depth": [0.0, 20.0], "sound_speed": [[1480.0] * 2] * 2}
+    for water in (EVEN, EVEN | {"interpolation": "pchip"}, section, {"kind": "uniform", "sound_speed": 1480.0}):
+        made = make_water(scene_in(water), -30.0)
+        assert (made.bent, made.reference) == (False, 1480.0), water
     records = [prepare(scene_in(water)).intensity(np.arange(2)) for water in (EVEN, {"sound_speed": 1480.0})]
     np.testing.assert_array_equal(*records)
     with pytest.raises(SceneError, match=r"sonar.ping_rate 15 Hz .* lower it to 14.8 Hz"):
@@ -113,9 +99,8 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
     water = make_water(scene, -30.0)
     np.testing.assert_allclose([water.axis_x, water.axis_y], [0.0, 1.0], atol=1e-15)
     np.testing.assert_array_equal(water.station, section["distance"])
-    np.testing.assert_allclose(
-        [np.interp(10.0, water.height, speed) for speed in water.speed], [1500.0, 1520.0, 1515.0]
-    )
+    found = [np.interp(10.0, water.height, speed) for speed in water.speed]
+    np.testing.assert_allclose(found, [1500.0, 1520.0, 1515.0])
 
 
 def test_polylines_keep_within_their_tolerance_and_drop_what_is_straight():

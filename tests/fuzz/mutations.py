@@ -29,7 +29,7 @@ def mutate_bytes(content: bytes, rng: Random) -> bytes:
     data = bytearray(content)
     for _ in range(rng.integers(1, 7)):
         if data:
-            _BYTE_CHANGES[rng.integers(len(_BYTE_CHANGES))](data, rng)
+            _change_bytes(data, rng)
     return bytes(data)
 
 
@@ -153,18 +153,35 @@ def mutate_png(content: bytes, rng: Random) -> bytes:
     )
 
 
-def _flip_bit(data: bytearray, rng: Random) -> None:
-    data[rng.integers(len(data))] ^= 1 << int(rng.integers(8))
-
-
-def _set_byte(data: bytearray, rng: Random) -> None:
-    data[rng.integers(len(data))] = int(rng.integers(256))
-
-
-def _set_integer(data: bytearray, rng: Random) -> None:
-    size = int(rng.choice([1, 2, 4, 8]))
-    odd = ODD_INTEGERS[rng.integers(len(ODD_INTEGERS))] % 2 ** (8 * size)
-    _put(data, odd.to_bytes(size, "little" if rng.random() < 0.7 else "big"), rng)
+def _change_bytes(data: bytearray, rng: Random) -> None:
+    change = rng.integers(10)
+    if change == 0:
+        data[rng.integers(len(data))] ^= 1 << int(rng.integers(8))
+    elif change == 1:
+        data[rng.integers(len(data))] = int(rng.integers(256))
+    elif change == 2:
+        size = int(rng.choice([1, 2, 4, 8]))
+        odd = ODD_INTEGERS[rng.integers(len(ODD_INTEGERS))] % 2 ** (8 * size)
+        _put(data, odd.to_bytes(size, "little" if rng.random() < 0.7 else "big"), rng)
+    elif change == 3:
+        _set_float(data, rng)
+    elif change == 4:
+        if rng.random() < 0.3:
+            del data[rng.integers(len(data)) :]
+    elif change == 9:
+        data[:] = _change_number(bytes(data), rng)
+    else:
+        start = int(rng.integers(len(data)))
+        stop = min(len(data), start + int(rng.choice([1, 4, 16, 64, 512])))
+        if change == 5:
+            data[start:stop] = bytes([int(rng.choice([0, 0xFF]))]) * (stop - start)
+        elif change == 6:
+            data[start:start] = data[start:stop]
+        elif change == 7:
+            del data[start:stop]
+        else:
+            at = int(rng.integers(len(data)))
+            data[at : at + stop - start] = data[start:stop]
 
 
 def _set_float(data: bytearray, rng: Random) -> None:
@@ -177,44 +194,6 @@ def _put(data: bytearray, piece: bytes, rng: Random) -> None:
     aligned = int(rng.integers(len(data)))
     at = aligned - aligned % len(piece) if rng.random() < 0.5 else aligned
     data[at : at + len(piece)] = piece
-
-
-def _truncate(data: bytearray, rng: Random) -> None:
-    if rng.random() < 0.3:
-        del data[rng.integers(len(data)) :]
-
-
-def _range(data: bytearray, rng: Random) -> tuple[int, int]:
-    start = int(rng.integers(len(data)))
-    return start, min(len(data), start + int(rng.choice([1, 4, 16, 64, 512])))
-
-
-def _blank(data: bytearray, rng: Random) -> None:
-    start, stop = _range(data, rng)
-    data[start:stop] = bytes([int(rng.choice([0, 0xFF]))]) * (stop - start)
-
-
-def _repeat(data: bytearray, rng: Random) -> None:
-    start, stop = _range(data, rng)
-    data[start:start] = data[start:stop]
-
-
-def _remove(data: bytearray, rng: Random) -> None:
-    start, stop = _range(data, rng)
-    del data[start:stop]
-
-
-def _copy(data: bytearray, rng: Random) -> None:
-    start, stop = _range(data, rng)
-    at = int(rng.integers(len(data)))
-    data[at : at + stop - start] = data[start:stop]
-
-
-def _digits(data: bytearray, rng: Random) -> None:
-    data[:] = _change_number(bytes(data), rng)
-
-
-_BYTE_CHANGES = (_flip_bit, _set_byte, _set_integer, _set_float, _truncate, _blank, _repeat, _remove, _copy, _digits)
 
 
 def _change_number(content: bytes, rng: Random) -> bytes:

@@ -5,7 +5,6 @@ who only damages files does not hold them.
 """
 
 import sys
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -103,22 +102,9 @@ def _classic_record(path: Path) -> None:
 
 
 def _tiff(path: Path, **options: object) -> None:
-    import rasterio
-    from rasterio.errors import NotGeoreferencedWarning
+    from bathymetry_files import UTM, write_tiff
 
-    rows = HEIGHTS.astype(np.float32)
-    where = {"crs": "EPSG:32633", "nodata": -9999.0, "transform": rasterio.Affine(1.0, 0.0, 5e5, 0.0, -1.0, 6e6)}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NotGeoreferencedWarning)
-        shape = {"height": rows.shape[0], "width": rows.shape[1], "count": 1, "dtype": rows.dtype}
-        with rasterio.open(path, "w", **({"driver": "GTiff"} | where | shape | options)) as raster:
-            raster.write(rows, 1)
-
-
-def _tiff_in_degrees(path: Path) -> None:
-    import rasterio
-
-    _tiff(path, crs="EPSG:4326", transform=rasterio.Affine(1e-5, 0.0, 10.0, 0.0, -1e-5, 54.0))
+    write_tiff(path, HEIGHTS, **{"pixel": (1.0, 1.0), "corner": (5e5, 6e6), **UTM, **options})
 
 
 def _mesh(path: Path) -> None:
@@ -251,7 +237,10 @@ SAMPLES = {
         "bed.tif", lambda path: _tiff(path, compress="deflate", tiled=True, blockxsize=16, blockysize=16),
         mutate_bytes, BED,
     ),
-    "grid-tif-degrees": Sample("bed.tif", _tiff_in_degrees, mutate_bytes, BED),
+    "grid-tif-degrees": Sample(
+        "bed.tif", lambda path: _tiff(path, crs="EPSG:4326", pixel=(1e-5, 1e-5), corner=(10.0, 54.0)),
+        mutate_bytes, BED,
+    ),
     "grid-bag": Sample("bed.bag", lambda path: _tiff(path, driver="BAG", nodata=None), mutate_bytes, BED),
     "grid-asc": Sample("bed.asc", _bytes(ASCII), mutate_text, BED),
     "record-npz": Sample("record.npz", _record, mutate_zip, commands=RECORD),

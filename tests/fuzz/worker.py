@@ -20,27 +20,17 @@ from insonify import cli
 
 def peak_bytes(*, anew: bool = False) -> int:
     """Highest resident memory of this process and of its children since it was asked for anew."""
-    processes = _processes()
-    for number in processes if anew else ():
-        with contextlib.suppress(OSError):
-            Path(f"/proc/{number}/clear_refs").write_text("5", encoding="ascii")
-    return sum(map(_peak, processes))
-
-
-def _processes() -> list[str]:
-    found = [str(os.getpid())]
+    processes, found = [str(os.getpid())], 0
     for task in Path("/proc/self/task").iterdir():
         with contextlib.suppress(OSError):  # a thread that has ended
-            found += (task / "children").read_text(encoding="ascii").split()
+            processes += (task / "children").read_text(encoding="ascii").split()
+    for folder in (Path("/proc", number) for number in processes):
+        with contextlib.suppress(OSError, IndexError):  # a process that has ended
+            if anew:
+                (folder / "clear_refs").write_text("5", encoding="ascii")
+            status = (folder / "status").read_text(encoding="ascii", errors="replace")
+            found += int(status.partition("VmHWM:")[2].split()[0]) * 1024
     return found
-
-
-def _peak(number: str) -> int:
-    try:
-        status = Path(f"/proc/{number}/status").read_text(encoding="ascii", errors="replace")
-        return int(status.partition("VmHWM:")[2].split()[0]) * 1024
-    except (OSError, IndexError):  # it has ended
-        return 0
 
 
 def lay_out(folder: Path, sample: Sample) -> Path:
@@ -100,14 +90,13 @@ def captured() -> Any:
     """Catch standard error, of libraries in C too, and discard standard output."""
     caught: dict[str, str] = {"text": ""}
     with tempfile.TemporaryFile() as file:
-        kept, error, output = os.dup(2), sys.stderr, sys.stdout
+        kept = os.dup(2)
         os.dup2(file.fileno(), 2)
-        sys.stderr, sys.stdout = io.TextIOWrapper(os.fdopen(os.dup(2), "wb"), write_through=True), io.StringIO()
+        error = io.TextIOWrapper(os.fdopen(os.dup(2), "wb"), write_through=True)
         try:
-            yield caught
+            with error, contextlib.redirect_stderr(error), contextlib.redirect_stdout(io.StringIO()):
+                yield caught
         finally:
-            sys.stderr.close()
-            sys.stderr, sys.stdout = error, output
             os.dup2(kept, 2)
             os.close(kept)
             file.seek(0)

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -18,27 +19,18 @@ def platform_of(path):
     return sys.platform
 
 
-def test_names_are_missing():
+def test_names_and_modules_are_missing_and_child_processes_are_of_the_same_system():
     assert (sys.platform, os.name) == (("win32", "nt") if WINDOWS else ("darwin", "posix"))
+    assert run_isolated(platform_of, __file__) == sys.platform
     assert not hasattr(os, "sched_getaffinity")
     assert {hasattr(os, name) for name in POSIX} == {not WINDOWS}
     assert hasattr(signal, "SIGKILL") == hasattr(signal, "pthread_sigmask") == (not WINDOWS)
     with pytest.raises(FileNotFoundError):
         Path("/proc/self/status").read_text(encoding="ascii")
-
-
-def test_modules_are_missing():
-    if WINDOWS:
-        with pytest.raises(ModuleNotFoundError):
-            import resource
-    else:
+    with pytest.raises(ModuleNotFoundError) if WINDOWS else nullcontext():
         import resource
 
-        assert resource.RLIMIT_DATA
-
-
-def test_child_processes_are_of_the_same_system():
-    assert run_isolated(platform_of, __file__) == sys.platform
+    assert WINDOWS or resource.RLIMIT_DATA
 
 
 def test_what_a_test_sets_is_taken_back(monkeypatch):

@@ -17,25 +17,14 @@ from insonify.tracers.azimuth_fan import lay_planes
 
 WAVELENGTH = 1500.0 / 400e3
 LENGTH = 0.5
-LEVEL = edit(
-    load_scene("default"),
-    {
-        "seabed.relief": "flat",
-        "targets": [],
-        "sonar.pulse": "ideal",
-        "sonar.range": 48.0,
-        "sonar.bins": 480,
-        "water.sound_speed": 1500.0,
-    },
-)
+BARE = {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal"}
+LEVEL = edit(load_scene("default"), BARE | {"sonar.range": 48.0, "sonar.bins": 480, "water.sound_speed": 1500.0})
 
 
 def width_at_half(extent, energy):
     """Full width between the outermost sines, within an extent, where the energy passes half its greatest value."""
-    s = np.linspace(-extent, extent, energy.size)
-    above = np.flatnonzero(energy >= 0.5 * energy.max())
-    first, last = above[0], above[-1]
-    half = 0.5 * energy.max()
+    s, half = np.linspace(-extent, extent, energy.size), 0.5 * energy.max()
+    first, last = np.flatnonzero(energy >= half)[[0, -1]]
     left = np.interp(half, energy[first - 1 : first + 1], s[first - 1 : first + 1])
     right = np.interp(-half, -energy[last : last + 2], s[last : last + 2])
     return right - left
@@ -58,12 +47,11 @@ def sidelobe(energy):
     ],
 )
 def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
-    for two_way, width in ((False, one_way), (True, both_ways)):
-        beam = LineArray(length=LENGTH, taper=taper, two_way=two_way)
+    for passes, width in ((1, one_way), (2, both_ways)):
+        beam = LineArray(length=LENGTH, taper=taper, two_way=passes == 2)
         _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 1e5))
         assert width_at_half(extent[-1], energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
         # Taylor's design of so few equal sidelobes comes out at -30.3 dB.
-        passes = 2.0 if two_way else 1.0
         assert sidelobe(energy[-1]) == pytest.approx(passes * decibels, abs=0.35 * passes)
 
 
@@ -102,10 +90,8 @@ def test_curvature_moves_energy_and_makes_none(taper):
     # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
     beam = LineArray(length=LENGTH, taper=taper, two_way=False)
     _, extent, energy, _ = beam.tabulate(BeamConditions(WAVELENGTH, 1.0, 200.0))
-    whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
-    weights = taper_weights(taper)
-    expected = WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2
-    np.testing.assert_allclose(whole, expected, rtol=0.01)
+    whole, weights = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1), taper_weights(taper)
+    np.testing.assert_allclose(whole, WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2, rtol=0.01)
 
 
 @pytest.mark.parametrize(("two_way", "times"), [(False, 1.0), (True, math.sqrt(0.5))])
@@ -130,11 +116,9 @@ ALTITUDE = 4.0
 def profile(simulation, slant, along, bodies, planes, across=0):
     """Energy of balls, by their places along the track and radii, on a bed all but black, by the fish's place."""
     x, given = math.sqrt(slant**2 - ALTITUDE**2), simulation.arrays
-    arrays = arrays_of(
-        np.zeros((8, 8)), 16.0, periodic=True, solids=[((at, -x, 0.0), radius) for at, radius in bodies],
-        half_width=given.half_width, pattern=given.pattern, bins=given.bins, bin_length=given.bin_length,
-        reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
-    )  # fmt: skip
+    solids, reflectivity = [((at, -x, 0.0), radius) for at, radius in bodies], [(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)]
+    sonar = {name: getattr(given, name) for name in ("half_width", "pattern", "bins", "bin_length")}
+    arrays = arrays_of(np.zeros((8, 8)), 16.0, periodic=True, solids=solids, reflectivity=reflectivity, **sonar)
     arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(len(bodies), np.int64)))
     record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes, across=across)
     return record[:, 1].sum(axis=1, dtype=float)
@@ -200,9 +184,8 @@ def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decib
 
 
 def test_targets_in_sidelobes_have_planes_of_their_own():
-    scene = edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}})
-    ball = edit(scene, {"targets": [{"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}]})
-    arrays = prepare(ball).arrays
+    ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}
+    arrays = prepare(edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}, "targets": [ball]})).arrays
     sidelobe = 1.43 * WAVELENGTH / 0.3  # the sine of the highest one
     poses = poses_of(-29.0 * sidelobe, 0.0, 10.0)
     (_, alone), (_, divided) = (lay_planes(arrays, poses, 16, across=across)[0] for across in (0, 4))
@@ -234,10 +217,8 @@ def test_a_uniform_array_has_its_lobes(height):
 
 def test_a_taper_lowers_the_sidelobes():
     far = np.abs(np.sin(DOWN - math.radians(30.0))) > 2.2 * WAVELENGTH / 0.02
-    uniform, hamming = (
-        responses({"kind": "array", "height": 0.02, "tilt": 30.0, "taper": taper})[far].max()
-        for taper in ("uniform", "hamming")
-    )
+    array = {"kind": "array", "height": 0.02, "tilt": 30.0}
+    uniform, hamming = (responses(array | {"taper": taper})[far].max() for taper in ("uniform", "hamming"))
     assert hamming < 1e-3 * uniform
 
 
@@ -256,14 +237,10 @@ ROLL = {"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase
 
 def level_records(vertical, changes, method="sweep"):
     """Records of a level bed with a vertical beam and without, and depressions of their bins beyond 11 m."""
-    level = {
-        "seabed.relief": "flat", "seabed.material": {"diffuse": 0.5, "specular": 0.0}, "targets": [],
-        "sonar.pulse": "ideal", "sonar.bins": 500, "track.pings": 1, "track.altitude": 10.0,
-    }  # fmt: skip
-    shaded, plain = (
-        simulate(edit(load_scene("default"), level | changes | {"sonar.vertical": beam}), method=method, tolerance=0.01)
-        for beam in (vertical, "uniform")
-    )
+    level = BARE | {"seabed.material": {"diffuse": 0.5, "specular": 0.0}, "sonar.bins": 500, "track.pings": 1}
+    scene = edit(load_scene("default"), level | {"track.altitude": 10.0} | changes)
+    beams = (edit(scene, {"sonar.vertical": beam}) for beam in (vertical, "uniform"))
+    shaded, plain = (simulate(beam, method=method, tolerance=0.01) for beam in beams)
     down = np.arcsin(10.0 / plain.slant_range.values[110:])
     return shaded.intensity.values[:, 0, 110:], plain.intensity.values[:, 0, 110:], down
 
@@ -283,12 +260,8 @@ def test_a_top_hat_hears_what_is_within_it_and_nothing_else():
 
 
 @pytest.mark.parametrize(
-    ("changes", "passes", "tilts"),
-    [
-        (BEAMS[False], 1.0, (25.0, 25.0)),
-        (BEAMS[True], 2.0, (25.0, 25.0)),
-        (ROLL, 2.0, (17.0, 33.0)),  # port up
-    ],
+    ("changes", "passes", "tilts"),  # rolled with port up
+    [(BEAMS[False], 1.0, (25.0, 25.0)), (BEAMS[True], 2.0, (25.0, 25.0)), (ROLL, 2.0, (17.0, 33.0))],
     ids=["one way", "two way", "rolled"],
 )
 def test_a_gaussian_weighs_a_level_bed_by_its_value(changes, passes, tilts):

@@ -19,17 +19,14 @@ FLAT = np.zeros((8, 8))
 FAN = math.radians(1.25)
 MATERIAL = Reflectivity(0.6, 0.3, 5.0)
 SURFACE = 100.0
-# Heights and speeds of a steep thermocline above the bed.
-THERMOCLINE = ([0.0, 6.0, 8.0, 11.0, 25.0], [1489.0, 1490.0, 1493.0, 1500.0, 1501.0])
+# Heights and speeds of a steep thermocline above the bed, below a sonar at 20 m.
+NODES = ([0.0, 6.0, 8.0, 11.0, 25.0], [1489.0, 1490.0, 1493.0, 1500.0, 1501.0])
+THERMOCLINE = water_about(20.0, *NODES, SURFACE)
 
 
 def gradient(g, z, c=1500.0, surface=SURFACE):
     """Water whose speed is c at height z and rises by g per metre from -5 m to the surface."""
     return water_of([-5.0, surface], [c + g * (-5.0 - z), c + g * (surface - z)], reference=c, surface=surface)
-
-
-def thermocline(z=20.0):
-    return water_about(z, *THERMOCLINE, SURFACE)
 
 
 def flat(water, **options):
@@ -49,9 +46,8 @@ def test_arcs_of_one_gradient_land_where_circles_do(g):
     found, what, _ = rays.cast(arrays, (3.0, -2.0, 10.0), downwards(angles), reach=300.0)
     xi, s0, c1 = np.cos(np.radians(angles)) / 1500.0, np.sin(np.radians(angles)), 1500.0 - 10.0 * g
     square = s0**2 + xi**2 * g * 10.0 * (1500.0 + c1)  # physics: s1² = s0² − ξ² g Δz (c0 + c1)
-    x = np.full(angles.size, 1e4)
     lands = square >= 0.0
-    x[lands] = xi[lands] * 10.0 * (1500.0 + c1) / (s0[lands] + np.sqrt(square[lands]))
+    x = np.where(lands, xi * 10.0 * (1500.0 + c1) / (s0 + np.sqrt(np.maximum(square, 0.0))), 1e4)
     distance = np.hypot(x, 10.0)
     y = abs(g) * distance / (2.0 * math.sqrt(1500.0 * c1))
     expected = distance * math.sqrt(1500.0 / c1) * (np.arcsinh(y) / y if abs(g) > 1e-6 else 1.0)
@@ -73,12 +69,12 @@ def test_layers_land_as_printed():
 def test_water_that_hardly_bends_is_still_water():
     rng = np.random.default_rng(1)
     bodies = [((10.0, 3.0, 0.5), 1.0), ((5.0, -4.0, 0.2), (9.0, -6.0, 1.0), 0.4)]
-    vertices, faces = icosphere(2, 1.0, (-8.0, 2.0, 0.5))
-    arrays = arrays_of(rough(64, 64), 0.5, periodic=True, solids=bodies, mesh=mesh_of(vertices, faces))
+    mesh = mesh_of(*icosphere(2, 1.0, (-8.0, 2.0, 0.5)))
+    arrays = arrays_of(rough(64, 64), 0.5, periodic=True, solids=bodies, mesh=mesh)
     ways = rng.normal(size=(4000, 3))
     ways[:, 2] = -0.5 * np.abs(ways[:, 2])
-    one = rays.cast(arrays._replace(water=still_water(1500.0, SURFACE)), (0.0, 0.0, 5.0), ways)
-    other = rays.cast(arrays._replace(water=gradient(0.0, 5.0)), (0.0, 0.0, 5.0), ways)
+    waters = still_water(1500.0, SURFACE), gradient(0.0, 5.0)
+    one, other = (rays.cast(arrays._replace(water=water), (0.0, 0.0, 5.0), ways) for water in waters)
     assert (one[1] == other[1]).all()
     assert set(np.unique(one[1])) == {-2, BED, 0, 1}
     hit = one[1] != -2
@@ -158,11 +154,8 @@ def integrated(water, z, law, half_width, bins, bin_length, rays=6000, slabs=400
 @pytest.mark.parametrize(
     ("law", "half_width", "water"),
     [
-        (SONAR, FAN, thermocline()),
-        (SONAR, FAN, gradient(-0.3, 20.0)),
-        (SONAR, FAN, gradient(0.5, 20.0)),
-        (SONAR, 0.0, thermocline()),
-        (LIGHT, 0.0, thermocline()),
+        *((SONAR, FAN, water) for water in (THERMOCLINE, gradient(-0.3, 20.0), gradient(0.5, 20.0))),
+        *((law, 0.0, THERMOCLINE) for law in (SONAR, LIGHT)),
     ],
 )
 def test_levels_of_a_flat_bed_are_their_integrals(law, half_width, water):
@@ -187,9 +180,9 @@ def test_first_hits_are_those_of_tiny_steps():
         return naive.inside(arrays, points)
 
     found, what, _ = rays.cast(arrays, start, downwards(angles, azimuth), reach=reach)
-    twin = bent.follow(arrays.water, start[2], -np.radians(angles), met, reach, 0.02)
-    expected = 1500.0 * twin["time"]
-    kinds = np.where(expected < reach, twin["what"], -2)
+    (*_, time), hit = bent.follow(arrays.water, start[2], -np.radians(angles), met, reach, 0.02)
+    expected = 1500.0 * time
+    kinds = np.where(expected < reach, hit, -2)
     assert set(kinds) == {-2, BED, 0, 1, 2}
     assert (what == kinds).mean() > 0.97  # but for rays that just graze something
     same = (what == kinds) & (what != -2)
@@ -199,9 +192,9 @@ def test_first_hits_are_those_of_tiny_steps():
 
 
 def test_sound_goes_back_the_way_it_came():
-    water, start = thermocline(), (1.0, 2.0, 20.0)
-    sonar = ((1.0, 2.0, 20.0), 0.05)
-    arrays = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
+    start = (1.0, 2.0, 20.0)
+    bed = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[(start, 0.05)])
+    arrays = bed._replace(water=THERMOCLINE)
     ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
     outside = np.array(start) + 0.051 * ways
     hits, arrivals = land(arrays, outside.T, ways, 300.0)
@@ -216,10 +209,9 @@ def test_sound_goes_back_the_way_it_came():
 
 
 def test_a_mesh_is_met_as_the_ball_it_stands_for():
-    water, centre = thermocline(), (40.0, 0.0, 8.0)
-    vertices, faces = icosphere(5, 2.0, centre)
-    ball = arrays_of(FLAT, 8.0, periodic=True, solids=[(centre, 2.0)])._replace(water=water)
-    mesh = arrays_of(FLAT, 8.0, periodic=True, mesh=mesh_of(vertices, faces))._replace(water=water)
+    centre = (40.0, 0.0, 8.0)
+    ball = flat(THERMOCLINE, solids=[(centre, 2.0)])
+    mesh = flat(THERMOCLINE, mesh=mesh_of(*icosphere(5, 2.0, centre)))
     ways = downwards(np.linspace(10.0, 24.0, 400), azimuth=0.0)
     one, other = rays.cast(ball, (0.0, 0.0, 20.0), ways), rays.cast(mesh, (0.0, 0.0, 20.0), ways)
     assert (one[1] == other[1]).mean() > 0.98
@@ -230,7 +222,7 @@ def test_a_mesh_is_met_as_the_ball_it_stands_for():
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_the_march_goes_along_the_same_arcs(law):
-    arrays = flat(thermocline(), law=law, half_width=FAN, bins=400, bin_length=0.2)
+    arrays = flat(THERMOCLINE, law=law, half_width=FAN, bins=400, bin_length=0.2)
     poses = poses_of(1.0, 2.0, 20.0, 0.3)
     one, other = march.trace(arrays, poses, step=0.5, rays=8000), rays.trace(arrays, poses, rays=8000)
     # A level bed is linear along a chord: one interpolation finds it, and no bin has more than a ray too many.
@@ -245,32 +237,28 @@ def test_what_is_inside_the_bed_meets_nothing():
 
 
 def test_straight_down_is_a_straight_line():
-    water = thermocline()
-    found, what, _ = rays.cast(flat(water), (0.0, 0.0, 20.0), (0.0, 0.0, -1.0))
-    height, speed = map(np.array, THERMOCLINE)
+    found, what, _ = rays.cast(flat(THERMOCLINE), (0.0, 0.0, 20.0), (0.0, 0.0, -1.0))
+    height, speed = map(np.array, NODES)
     z = np.concatenate([height[height < 20.0], [20.0]])
     c = np.interp(z, height, speed)
     time = np.sum(np.diff(z) * np.log(c[1:] / c[:-1]) / np.diff(c))
     assert what[0] == BED
-    assert found[0] == pytest.approx(water.reference * time, abs=1e-9)
+    assert found[0] == pytest.approx(THERMOCLINE.reference * time, abs=1e-9)
 
 
 def test_a_section_that_is_the_same_everywhere_is_layers():
-    water, speed = thermocline(), THERMOCLINE[1]
-    section = water._replace(
-        speed=np.tile(speed, (3, 1)), station=np.array([-20.0, 7.0, 31.0]), axis_x=math.cos(0.4), axis_y=math.sin(0.4)
-    )
+    stations = {"speed": np.tile(NODES[1], (3, 1)), "station": np.array([-20.0, 7.0, 31.0])}
+    section = THERMOCLINE._replace(axis_x=math.cos(0.4), axis_y=math.sin(0.4), **stations)
     ball = ((30.0, 8.0, 2.0), 1.5)
     arrays = arrays_of(rough(64, 64), 1.0, periodic=True, solids=[ball], half_width=FAN, bins=200, bin_length=0.4)
     ways = downwards(np.concatenate([np.linspace(-3.0, 80.0, 300), np.linspace(20.0, 35.0, 100)]), azimuth=0.26)
-    one = rays.cast(arrays._replace(water=water), (0.0, 0.0, 20.0), ways)
-    other = rays.cast(arrays._replace(water=section), (0.0, 0.0, 20.0), ways)
+    scenes = [arrays._replace(water=water) for water in (THERMOCLINE, section)]
+    one, other = (rays.cast(scene, (0.0, 0.0, 20.0), ways) for scene in scenes)
     assert set(one[1]) == {-2, BED, 0}
     assert (one[1] == other[1]).all()
     hit = one[1] != -2
     np.testing.assert_allclose(other[0][hit], one[0][hit], atol=1e-3)
-    poses = poses_of(0.0, 0.0, 20.0, 0.3)
-    layers, same = (rays.trace(arrays._replace(water=w), poses, rays=2000) for w in (water, section))
+    layers, same = (rays.trace(scene, poses_of(0.0, 0.0, 20.0, 0.3), rays=2000) for scene in scenes)
     np.testing.assert_allclose(same.sum(), layers.sum(), rtol=1e-3)
 
 
@@ -290,7 +278,7 @@ def test_of_a_section_each_ray_feels_what_lies_in_its_plane():
 
 
 def test_bounces_are_refused():
-    arrays = flat(thermocline())
+    arrays = flat(THERMOCLINE)
     with pytest.raises(SceneError, match=r"sonar\.bounces: 2 bounces are traced along straight lines"):
         rays.trace(arrays._replace(bounces=2), poses_of(0.0, 0.0, 20.0))
     with pytest.raises(SceneError, match=r"sonar\.bounces"):

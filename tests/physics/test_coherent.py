@@ -26,14 +26,9 @@ SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
 BINS, BIN_LENGTH, HEIGHT = 400, 0.05, 5.0
 HALF_WIDTH = math.radians(0.5)
-TONE = Tone(kind="tone", duration=1e-4)  # 1.5 bins
-
-
-def even(**changes):
-    """A level bed that repeats."""
-    return arrays_of(
-        np.zeros((4, 4)), periodic=True, bins=BINS, bin_length=BIN_LENGTH, half_width=HALF_WIDTH, **changes
-    )
+TONE, CHIRP = Tone(kind="tone", duration=1e-4), Chirp(duration=5e-4, bandwidth=2e4)  # of 1.5 and of 0.75 bins
+SONAR = {"periodic": True, "bins": BINS, "bin_length": BIN_LENGTH}
+EVEN = arrays_of(np.zeros((4, 4)), half_width=HALF_WIDTH, **SONAR)
 
 
 def interference(arrays, *, density=1000.0, pulse=TONE, seed=1):
@@ -46,20 +41,17 @@ def record(arrays, poses, *, planes=8, **settings):
     return interference(arrays, **settings).trace(arrays, poses, planes=planes).astype(float)
 
 
-def mean_record(arrays, poses, pulse=TONE, planes=64):
-    return lengthened(sweep.trace(arrays, poses, planes=planes), pulse, arrays)
-
-
-def lengthened(traced, pulse, arrays):
+def mean_record(arrays, poses, pulse=TONE, *, by_rays=False):
+    traced = rays.trace(arrays, poses, rays=4000) if by_rays else sweep.trace(arrays, poses, planes=64)
     taps = pulse_taps(pulse, SPEED, arrays.bin_length)
     out = np.zeros_like(traced)
     convolve_pulse(traced, taps.weights.astype(np.float32), taps.before, out)
     return out.astype(float)
 
 
-def far_apart(count, **changes):
+def far_apart(count):
     """Pings that share no scatterer."""
-    return poses_of(1.7 * np.arange(count), 0.0, HEIGHT, **changes)
+    return poses_of(1.7 * np.arange(count), 0.0, HEIGHT)
 
 
 def cells(bins, length=0.075):
@@ -70,9 +62,8 @@ def cells(bins, length=0.075):
 
 def normalised(bins, pings=400, pulse=TONE, **settings):
     """Intensities over their mean, (pings, 2, bins)."""
-    arrays = even()
-    mean = mean_record(arrays, far_apart(1), pulse)[:, :, bins]
-    return record(arrays, far_apart(pings), pulse=pulse, **settings)[:, :, bins] / mean
+    found = record(EVEN, far_apart(pings), pulse=pulse, **settings)
+    return found[:, :, bins] / mean_record(EVEN, far_apart(1), pulse)[:, :, bins]
 
 
 FAR, FARTHER = np.arange(120, BINS), slice(140, BINS)
@@ -137,7 +128,7 @@ def test_pings_decorrelate_as_van_cittert_and_zernike_have_it(half_width, headin
     step = 0.01
     along = step * np.arange(600)
     poses = poses_of(along * math.cos(heading), along * math.sin(heading), HEIGHT, heading)
-    arrays = even()._replace(half_width=half_width)
+    arrays = EVEN._replace(half_width=half_width)
     mean = mean_record(arrays, poses_of(0.0, 0.0, HEIGHT, heading))
     intensity = (record(arrays, poses, density=1000.0) / np.maximum(mean, 1e-30))[:, :, 240:]
     theta, r = 2.0 * math.sin(half_width), (np.arange(240, BINS) + 0.5) * BIN_LENGTH - 0.0375
@@ -155,8 +146,8 @@ def scene(**changes):
     """A rough bed with a sphere, a leaning pipe and a mesh, some of them in another's shadow."""
     solids = [((3.0, 8.0, 0.6), 0.8), ((4.0, 11.0, 0.3), (9.0, 13.0, 1.2), 0.5)]
     bodies = {"solids": solids, "mesh": mesh_of(*icosphere(2, 0.6, (6.0, -9.0, 0.5)), target=2)}
-    sonar = {"bins": BINS, "bin_length": BIN_LENGTH, "half_width": 3.0 * HALF_WIDTH, "spreading": True} | changes
-    return arrays_of(rough(64, 64, 0.15), 0.25, periodic=True, reflectivity=[(0.3, 0.2, 6.0)], **bodies, **sonar)
+    sonar = SONAR | {"half_width": 3.0 * HALF_WIDTH, "spreading": True} | changes
+    return arrays_of(rough(64, 64, 0.15), 0.25, reflectivity=[(0.3, 0.2, 6.0)], **bodies, **sonar)
 
 
 def pass_by(count=30, **changes):
@@ -166,26 +157,21 @@ def pass_by(count=30, **changes):
 
 
 SQUINTING = gaussian_pattern(0.04, squint=0.15, vertical=2, tilt=0.5, vertical_width=0.9)
+TURNED = {"pattern": SQUINTING, "half_width": 0.08}, {"pitch": 0.05, "roll": -0.2}
 
 
 @pytest.mark.parametrize(
     ("pulse", "beam", "turned"),
-    [
-        (TONE, {}, {}),
-        (Chirp(duration=5e-4, bandwidth=2e4), {}, {}),
-        (TONE, {"pattern": SQUINTING, "half_width": 0.08}, {"pitch": 0.05, "roll": -0.2}),
-    ],
+    [(TONE, {}, {}), (CHIRP, {}, {}), (TONE, *TURNED)],
     ids=["tone", "chirp", "squinting pattern of a pitched and rolled fish"],
 )
 def test_its_mean_over_all_scatterers_is_the_record(pulse, beam, turned):
     """That of the sweep, or of rays: in all and stretch by stretch of half a metre."""
     arrays, poses = scene(**beam), pass_by(**turned)
-    traced = rays.trace(arrays, poses, rays=4000) if beam else sweep.trace(arrays, poses, planes=64)
-    wanted = lengthened(traced, pulse, arrays)
-    found = np.mean(
-        [record(arrays, poses, planes=64, seed=seed, density=200.0, pulse=pulse) for seed in range(10)], axis=0
-    )
-    found, wanted = (values[:, :, 100:].reshape(poses.x.size, 2, 30, 10).sum(axis=3) for values in (found, wanted))
+    options = {"planes": 64, "density": 200.0, "pulse": pulse}
+    found = np.mean([record(arrays, poses, seed=seed, **options) for seed in range(10)], axis=0)
+    means = found, mean_record(arrays, poses, pulse, by_rays=bool(beam))
+    found, wanted = (values[:, :, 100:].reshape(poses.x.size, 2, 30, 10).sum(axis=3) for values in means)
     assert found.sum() / wanted.sum() == pytest.approx(1.0, abs=0.03)
     loud = wanted > 1e-3 * wanted.max()
     ratio = found[loud] / wanted[loud]
@@ -217,10 +203,9 @@ def test_every_ping_is_a_function_of_its_pose_alone(changes):
 
 
 def test_a_longer_record_begins_as_a_shorter_one():
-    arrays = even()
-    short = arrays._replace(bins=200, range_factor=arrays.range_factor[:200])
-    for pulse in (TONE, Chirp(duration=5e-4, bandwidth=2e4)):
-        one, other = (record(p, far_apart(4), pulse=pulse) for p in (arrays, short))
+    short = EVEN._replace(bins=200, range_factor=EVEN.range_factor[:200])
+    for pulse in (TONE, CHIRP):
+        one, other = (record(arrays, far_apart(4), pulse=pulse) for arrays in (EVEN, short))
         np.testing.assert_allclose(other, one[:, :, :200], rtol=1e-6, atol=1e-12)
 
 
@@ -235,19 +220,19 @@ def test_the_track_may_lie_anywhere_on_a_bed_that_ends():
     assert last - 0.3 < heard.max() < last + 0.2
 
 
-@pytest.mark.parametrize("kind", ["sphere", "cylinder", "cone", "mesh"])
-def test_a_body_alone_echoes_as_loud_as_the_sweep_has_it(kind):
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"solids": [((0.0, 12.0, 20.0), 1.5)]},
+        {"solids": [((-3.0, 10.0, 20.0), (3.0, 12.0, 21.0), 0.8)]},
+        {"solids": [((0.0, 10.0, 19.0), (0.5, 12.0, 21.0), 1.5, 0.2)]},
+        {"mesh": mesh_of(*icosphere(1, 1.5, (0.0, 12.0, 20.0)))},
+    ],
+    ids=["sphere", "cylinder", "cone", "mesh"],
+)
+def test_a_body_alone_echoes_as_loud_as_the_sweep_has_it(body):
     # High over a bed out of range.
-    bodies = {
-        "sphere": [((0.0, 12.0, 20.0), 1.5)],
-        "cylinder": [((-3.0, 10.0, 20.0), (3.0, 12.0, 21.0), 0.8)],
-        "cone": [((0.0, 10.0, 19.0), (0.5, 12.0, 21.0), 1.5, 0.2)],
-    }
-    mesh = mesh_of(*icosphere(1, 1.5, (0.0, 12.0, 20.0))) if kind == "mesh" else None
-    arrays = arrays_of(
-        np.full((4, 4), -100.0), 10.0, periodic=True, solids=bodies.get(kind, ()), mesh=mesh, bins=BINS,
-        bin_length=BIN_LENGTH, half_width=2.0 * HALF_WIDTH,
-    )  # fmt: skip
+    arrays = arrays_of(np.full((4, 4), -100.0), 10.0, half_width=2.0 * HALF_WIDTH, **body, **SONAR)
     poses = poses_of(np.linspace(-0.6, 0.6, 5), 0.0, 22.0)
     wanted = mean_record(arrays, poses).sum()
     found = np.mean([record(arrays, poses, seed=seed, density=150.0).sum() for seed in range(60)])
@@ -261,42 +246,35 @@ def test_skin_has_the_area_of_the_bodies():
     triangle = mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3)
     skin = make_surface_patches(solids_of([ball, pipe, cone]), triangle)
     areas = [skin.area[skin.target == target].sum() for target in range(4)]
-    np.testing.assert_allclose(
-        areas, [16.0 * math.pi, math.pi * 5.0 + 0.5 * math.pi, 15.0 * math.pi + 9.0 * math.pi, 24.0]
-    )
+    pi = math.pi
+    np.testing.assert_allclose(areas, [16.0 * pi, 5.0 * pi + 0.5 * pi, 15.0 * pi + 9.0 * pi, 24.0])
     assert [np.sort(skin.number[skin.target == t]).tolist() == list(range((skin.target == t).sum())) for t in range(4)]
 
 
+BOX = {"kind": "box", "position": [10.0, 30.0], "size": [900.0, 900.0, 5.0]}
+
+
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "sentence"),
     [
-        (
-            {"targets": [{"kind": "box", "position": [10.0, 30.0], "size": [900.0, 900.0, 5.0]}]},
-            r"^receiver\.speckle: 'coherent' keeps .* patches .* smaller boxes",
-        ),
+        ({"targets": [BOX]}, r"^receiver\.speckle: 'coherent' keeps .* patches .* smaller boxes"),
         ({"receiver.speckle.density": 1e6}, r"^receiver\.speckle\.density: 1e\+06 scatterers .* lower it to "),
     ],
     ids=["patches", "scatterers"],
 )
-def test_more_than_can_be_kept_or_heard_is_refused(changes, told):
+def test_more_than_can_be_kept_or_heard_is_refused(changes, sentence):
     declared = edit(load_scene("default"), {"receiver.speckle": "coherent", "track.pings": 1} | changes)
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=sentence):
         prepare(declared).intensity(np.arange(1))
 
 
 def test_the_rest_of_the_receiver_goes_on_as_for_other_speckle():
-    changes = {
-        "targets": [],
-        "seabed.relief": "flat",
-        "receiver.reverberation": {"kind": "volume", "volume_strength": -40.0},
-        "receiver.fluctuation": {"kind": "lognormal", "level": 1.0},
-        "receiver.noise": {"kind": "ambient", "level": -110.0},
-        "receiver.tvg": "power",
-        "track.speed": 8.0,
-    }
-    pings = np.arange(0, 1200, 8)
+    changes = {"targets": [], "seabed.relief": "flat", "receiver.tvg": "power", "track.speed": 8.0}
+    changes["receiver.reverberation"] = {"kind": "volume", "volume_strength": -40.0}
+    changes["receiver.fluctuation"] = {"kind": "lognormal", "level": 1.0}
+    changes["receiver.noise"] = {"kind": "ambient", "level": -110.0}
     scenes = (edit(load_scene("default"), changes | {"receiver.speckle": kind}) for kind in ("coherent", "rayleigh"))
-    alike = {"planes": "8", "spacing": "1"}
+    pings, alike = np.arange(0, 1200, 8), {"planes": "8", "spacing": "1"}
     coherent, rayleigh = (prepare(scene, forced=alike).intensity(pings).astype(float) for scene in scenes)
     # Water alone, bed in water, noise: the same means stretch by stretch.
     stretches = [values.mean(axis=(0, 1)).reshape(20, 50).mean(axis=1) for values in (coherent, rayleigh)]
@@ -308,7 +286,7 @@ def test_the_rest_of_the_receiver_goes_on_as_for_other_speckle():
 def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
     # A level bed of perfect Lambert strength under a fish at an angle; every scatterer of every square, one by one.
     x, y, heading, density, seed = 3.3, -1.7, 0.3, 60.0, 5
-    arrays = even()._replace(bins=160, range_factor=np.linspace(1.0, 2.0, 160))
+    arrays = EVEN._replace(bins=160, range_factor=np.linspace(1.0, 2.0, 160))
     found = record(arrays, poses_of(x, y, HEIGHT, heading), density=density, pulse=Ideal(), seed=seed)[0]
     pitch, waves = math.sqrt(LOT / density), np.zeros((2, 160), complex)
     middle, around = np.floor(np.array([x, y]) / pitch).astype(int), math.ceil(8.0 / pitch)

@@ -11,21 +11,15 @@ from insonify.simulation import prepare, simulate
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 
-LEVEL = edit(
-    load_scene("default"),
-    {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal", "sonar.bins": 500, "track.start": [0.0, 0.0]},
-)
-HEAVE = {"kind": "heave", "amplitude": 1.5, "period": 7.0}
+BARE = {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal"}
+LEVEL = edit(load_scene("default"), BARE | {"sonar.bins": 500, "track.start": [0.0, 0.0]})
+HEAVING = edit(LEVEL, {"track.motion": {"kind": "heave", "amplitude": 1.5, "period": 7.0}, "track.pings": 60})
 BIN = 0.1
-
-
-def towed(motion, pings=60, **changes):
-    return edit(LEVEL, {"track.motion": motion, "track.pings": pings, **changes})
 
 
 @pytest.mark.parametrize("method", ["sweep", "rays"])
 def test_the_first_return_follows_the_altitude(method):
-    record = simulate(towed(HEAVE), method=method, tolerance=0.3)
+    record = simulate(HEAVING, method=method, tolerance=0.3)
     altitude = record.platform_altitude.values
     np.testing.assert_allclose(altitude, 10.0 + 1.5 * np.sin(2.0 * np.pi * np.arange(60) / 70.0))
     first = (record.intensity.values > 0.0).argmax(axis=2)
@@ -33,7 +27,7 @@ def test_the_first_return_follows_the_altitude(method):
 
 
 def test_a_picture_of_a_level_bed_stays_even_whatever_the_altitude():
-    simulation = prepare(towed(HEAVE))
+    simulation = prepare(HEAVING)
     pings = np.arange(60)
     shown = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     beyond = shown[:, :, round(1.4 * 11.5 / BIN) :]

@@ -2,6 +2,7 @@
 
 import math
 from functools import lru_cache, partial
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -61,8 +62,7 @@ def test_noise_adds_before_detection(speckle, ratio):
     noise = {"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}
     record = receive(ready(speckle, receiver__noise=noise), even(), np.arange(PINGS)).astype(float) / ECHO
     amplitude, energy = SPECKLES[speckle][1](10.0 ** (ratio / 10.0))
-    n = record.size
-    assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(n))
+    assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(record.size))
     wanted = math.sqrt(energy / amplitude**2 - 1.0)
     assert variation(record) == pytest.approx(wanted, abs=0.004 if speckle == "rayleigh" else 0.006)
     if speckle == "rayleigh":  # the sum of two waves of this distribution has it, too
@@ -73,22 +73,19 @@ def test_noise_adds_before_detection(speckle, ratio):
 @pytest.mark.parametrize("crosstalk", [None, -10.0])
 def test_reverberation_adds_before_detection(ratio, crosstalk):
     # The echo is made to stand in that ratio to the reverberation of every bin.
-    changes = {"receiver__reverberation": "volume", "receiver__crosstalk": crosstalk}
-    receiver = ready("rayleigh", **changes)
+    receiver = ready("rayleigh", receiver__reverberation="volume", receiver__crosstalk=crosstalk)
     reverberation = receiver.find(WaterColumn).reverberation
     water = reverberation * 10.0 ** (-ratio / 10.0)
     traced = np.broadcast_to(water.astype(np.float32), (PINGS, 2, BINS)).copy()
     record = receive(receiver, traced, np.arange(PINGS)).astype(float)
-    share = 1.0 if crosstalk is None else 1.1
-    total = (water + reverberation) * share
+    total = (water + reverberation) * (1.0 if crosstalk is None else 1.1)
     assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size / 2))
     assert variation(record / total) == pytest.approx(RAYLEIGH, abs=0.004)
 
 
 def test_the_bed_s_texture_is_not_that_of_the_water():
     receiver = ready("k", receiver__reverberation="volume")
-    record = receive(receiver, np.zeros((PINGS, 2, BINS), np.float32), np.arange(PINGS))
-    record = record / receiver.find(WaterColumn).reverberation
+    record = receive(receiver, 0.0 * even(), np.arange(PINGS)) / receiver.find(WaterColumn).reverberation
     assert variation(record) == pytest.approx(RAYLEIGH, abs=0.004)
     assert record.mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size))
 
@@ -125,33 +122,25 @@ def test_without_speckle_echoes_have_no_phase_and_their_mean_energies_add():
 def test_the_sum_is_correlated_as_its_parts(pulse):
     # Echo and noise pass the same filter: of any two waves of one correlation, so is the sum's.
     noise = {"kind": "ambient", "level": 10.0 * math.log10(3.0 * ECHO)}
-    pings = np.arange(3000)
-    both, alone = (
-        receive(ready("rayleigh", sonar__pulse=pulse, receiver__noise=n), even(3000), pings)[:, :, 20:].astype(float)
-        for n in (noise, "none")
-    )
+    receivers = (ready("rayleigh", sonar__pulse=pulse, receiver__noise=kind) for kind in (noise, "none"))
+    records = [receive(receiver, even(3000), np.arange(3000))[:, :, 20:].astype(float) for receiver in receivers]
     for lag in (1, 2, 3):
-        found, wanted = (correlation(record / record.mean(), lag, 2) for record in (both, alone))
-        assert found == pytest.approx(wanted, abs=4.0 * math.sqrt(3.0 / both.size))
+        found, wanted = (correlation(record / record.mean(), lag, 2) for record in records)
+        assert found == pytest.approx(wanted, abs=4.0 * math.sqrt(3.0 / records[0].size))
 
 
 @pytest.mark.parametrize("speckle", SPECKLES)
 def test_a_shorter_record_of_the_same_bins_begins_a_longer_one(speckle):
-    changes = {
-        "receiver__noise": {"kind": "ambient", "level": -90.0},
-        "receiver__reverberation": {"kind": "volume", "volume_strength": -30.0},
-        "receiver__crosstalk": -10.0,
-        "receiver__fluctuation": {"kind": "lognormal", "travel_time": 1e-4},
-        "sonar__pulse": "tone",
-    }
+    changes = {"sonar__pulse": "tone", "receiver__crosstalk": -10.0}
+    changes["receiver__noise"] = {"kind": "ambient", "level": -90.0}
+    changes["receiver__reverberation"] = {"kind": "volume", "volume_strength": -30.0}
+    changes["receiver__fluctuation"] = {"kind": "lognormal", "travel_time": 1e-4}
     short, whole = (receive(ready(speckle, bins, **changes), even(40, bins), np.arange(40)) for bins in (150, BINS))
     np.testing.assert_allclose(short[:, :, :140], whole[:, :, :140], rtol=1e-5)
 
 
 def test_no_wave_is_made_where_none_is_declared(monkeypatch):
-    def refuse(*arguments):
-        raise AssertionError("noise is drawn for a receiver without any")
-
+    refuse = Mock(side_effect=AssertionError("noise is drawn for a receiver without any"))
     monkeypatch.setattr("insonify.receiver.waves.add_filtered_waves", refuse)
     for speckle in SPECKLES:
         receive(ready(speckle), even(4), np.arange(4))
@@ -185,8 +174,7 @@ def test_scatterers_interfere_with_noise(bins, ratio):
     record = simulate(noisy).intensity.values.astype(float)[:, :, first:last]
     curve = alone[:, :, first:last].mean(axis=(0, 1))
     total = curve + level * 10.0 ** (ratio / 10.0)
-    n = record.size / 2
-    assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(n))
+    assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size / 2))
     still = variation(alone[:, :, first:last] / curve)
     assert variation(record / total) == pytest.approx(still, abs=0.015)
     if bins == 1000:

@@ -20,11 +20,8 @@ LEVEL = {"seabed.relief": "flat", "sonar.pulse": "ideal", "sonar.beam": "knife",
 
 def records(altitude, solids):
     """Port side with and without bodies."""
-    options = {"periodic": True, "bins": BINS, "bin_length": STEP}
-    return [
-        sweep.trace(arrays_of(np.zeros((4, 4)), 0.05, solids=bodies, **options), poses_of(0.0, 0.0, altitude))[0, 0]
-        for bodies in (solids, [])
-    ]
+    level = partial(arrays_of, np.zeros((4, 4)), 0.05, periodic=True, bins=BINS, bin_length=STEP)
+    return [sweep.trace(arrays, poses_of(0.0, 0.0, altitude))[0, 0] for arrays in (level(solids=solids), level())]
 
 
 def within_a_bin(index, slant_range):
@@ -32,17 +29,11 @@ def within_a_bin(index, slant_range):
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(
-    altitude=st.floats(3.0, 20.0),
-    offset=st.floats(4.0, 45.0),
-    radius=st.floats(0.1, 1.5),
-    gap=st.floats(0.0, 8.0),
-)
+@given(altitude=st.floats(3.0, 20.0), offset=st.floats(4.0, 45.0), radius=st.floats(0.1, 1.5), gap=st.floats(0.0, 8.0))
 def test_shadow_and_echo_lie_where_geometry_puts_them_and_the_echo_has_its_energy(altitude, offset, radius, gap):
     assume(gap + 2.0 * radius < altitude - 0.2)
     axis = gap + radius
-    pipe = ((-60.0, offset, axis), (60.0, offset, axis), radius)
-    record, bare = records(altitude, [pipe])
+    record, bare = records(altitude, [((-60.0, offset, axis), (60.0, offset, axis), radius)])
     near, tangent, begins, ends = pipe_edges(gap, altitude=altitude, offset=offset, radius=radius)
     # The first thing that changes is the echo, at the near side.
     changed = np.flatnonzero(np.abs(record - bare) > 0.01 * bare.max())
@@ -58,10 +49,10 @@ def test_shadow_and_echo_lie_where_geometry_puts_them_and_the_echo_has_its_energ
     np.testing.assert_allclose(record[lit & ~pipes], bare[lit & ~pipes], rtol=0.01, atol=1e-7)
     # The pipe is heard from its near side to its tangent.
     excess = record - np.where(lit, bare, 0.0)
-    heard = np.flatnonzero((excess > 1e-4 * excess.max()) & pipes)
-    assert within_a_bin(heard[0], near)
+    assert within_a_bin(np.flatnonzero((excess > 1e-4 * excess.max()) & pipes)[0], near)
     # A perfect Lambert pipe in a knife of 1 m: Σ cos α r dθ / π over its launch angles, nothing in front of it.
-    distance, half = math.hypot(offset, altitude - axis), math.asin(radius / math.hypot(offset, altitude - axis))
+    distance = math.hypot(offset, altitude - axis)
+    half = math.asin(radius / distance)
     turned = np.linspace(-half, half, 100_001)[1:-1]
     r = distance * np.cos(turned) - np.sqrt(radius**2 - (distance * np.sin(turned)) ** 2)
     energy = np.sum((distance * np.cos(turned) - r) / radius * r) * (turned[1] - turned[0]) / math.pi

@@ -21,10 +21,9 @@ def chirp(window, duration=2e-3):
     return Chirp(duration=duration, bandwidth=BANDWIDTH, window=window)
 
 
-def width(r, energy, level=0.5):
-    """Extent of where the energy of the main lobe is above a level."""
-    above = r[energy >= level]
-    return above[-1] - above[0]
+def width(r, energy):
+    """Extent of where the energy of the main lobe is above half its greatest."""
+    return np.ptp(r[energy >= 0.5 * energy.max()])
 
 
 @pytest.mark.parametrize(
@@ -73,7 +72,7 @@ def test_the_record_of_a_point_is_the_response_of_the_pulse():
     record = received(point(bins, 4000), bin_length, sonar__pulse=chirp("uniform", 1e-3).model_dump())[0, 0]
     r = (np.arange(bins) - 4000) * bin_length
     assert np.argmax(record) == 4000
-    assert width(r, record / record.max()) / CELL == pytest.approx(0.886, abs=0.02)
+    assert width(r, record) / CELL == pytest.approx(0.886, abs=0.02)
     lobes = record[np.abs(r) > CELL].max() / record.max()
     assert 10.0 * math.log10(lobes) == pytest.approx(-13.26, abs=0.05)
     # Nothing is heard beyond the pulse's own length, c·1 ms/2 = 0.75 m either way.
@@ -89,9 +88,9 @@ def test_a_tone_resolves_half_its_length(duration):
     time = 2.0 * bin_length / SPEED * np.arange(bins)
     frequencies = np.linspace(0.1, 1.9, 1801) / duration
     spectrum = np.abs(np.exp(-2j * np.pi * frequencies[:, None] * time) @ np.sqrt(record))
-    below = spectrum[: np.argmin(spectrum)]
-    assert frequencies[np.argmin(spectrum)] * duration == pytest.approx(1.0, abs=2.0 * bin_length / SPEED / duration)
-    assert (np.diff(below) < 0.0).all()
+    null = np.argmin(spectrum)
+    assert frequencies[null] * duration == pytest.approx(1.0, abs=2.0 * bin_length / SPEED / duration)
+    assert (np.diff(spectrum[:null]) < 0.0).all()
 
 
 @pytest.mark.parametrize("pulse", [Ideal(), Tone(duration=1e-4), *(chirp(window) for window in WINDOWS)])
@@ -107,19 +106,17 @@ def test_an_even_bed_sums_what_a_point_sums(pulse):
 def test_silence_stays_silent_beyond_the_pulse_and_nothing_is_negative():
     traced = np.zeros((2, 2, 500), np.float32)
     traced[:, :, 250:300] = np.random.default_rng(0).random((2, 2, 50))
+    reached = np.abs(np.arange(500) - 274.5) < 40.0  # 1 ms reaches 15 bins either way
     for window in WINDOWS:
         record = received(traced, 0.05, sonar__pulse=chirp(window, 1e-3).model_dump())
         assert (record >= 0.0).all()
-        # 1 ms reaches 15 bins either way.
-        assert not record[:, :, :235].any()
-        assert not record[:, :, 315:].any()
-        assert record[:, :, 235:315].all()
+        np.testing.assert_array_equal(record > 0.0, np.broadcast_to(reached, record.shape))
 
 
-@pytest.mark.parametrize(
-    "pulse",
-    [Ideal(), *(Tone(duration=t) for t in (1e-5, 1e-4, 2e-4, 1.1e-3)), *(chirp(window) for window in WINDOWS)],
-)
+CHIRPS = [chirp(window) for window in WINDOWS]
+
+
+@pytest.mark.parametrize("pulse", [Ideal(), *(Tone(duration=t) for t in (1e-5, 1e-4, 2e-4, 1.1e-3)), *CHIRPS])
 @pytest.mark.parametrize("bin_length", [0.005, 0.05, 0.5])
 def test_filtered_noise_has_the_coherence_of_the_pulse(pulse, bin_length):
     taps, wanted = coherent_taps(pulse, SPEED, bin_length), coherence(pulse, SPEED, bin_length)

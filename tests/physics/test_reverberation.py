@@ -1,5 +1,6 @@
 """Reverberation, noise and time-varied gain, against the sonar equation."""
 
+import itertools
 import math
 from functools import partial
 
@@ -42,12 +43,9 @@ def test_volume_reverberation_is_the_sonar_equation():
     assert np.abs(decibels(record[600:]) - level[600:]).max() < 0.02
 
 
-def test_a_knife_hears_a_slab_of_water():
-    # 1 m thick: per metre of range, half of its ring.
+def test_only_water_within_the_beam_reverberates():
+    # A knife takes in a slab 1 m thick: per metre of range, half of its ring.
     np.testing.assert_allclose(volume_echo(arrays(0.0), 100.0, 100.0), math.pi * R * BIN_LENGTH / R**4, rtol=1e-9)
-
-
-def test_only_water_reverberates():
     # The shell between a surface 8 m above and a bed 5 m below, by Monte Carlo over directions of one side.
     rng = np.random.default_rng(0)
     echo = volume_echo(arrays(math.radians(20.0)), 5.0, 8.0)
@@ -78,49 +76,42 @@ def test_surface_reverberation_comes_from_the_ring_within_the_beam(width):
     assert echo.sum() == pytest.approx(expected.sum(), rel=0.003)
 
 
-def test_the_surface_is_heard_from_its_own_distance():
+def test_the_surface_is_heard_from_its_own_distance_and_adds_to_the_volume():
     surface = {"kind": "surface", "surface_strength": -20.0}
     record = record_of(SILENCE, depth=20.0, receiver__reverberation=surface, sonar__pulse="ideal")[0, 0]
     assert np.flatnonzero(record)[0] == 400
     # Far off, a strip r·θ wide and Δr long: -20 dB of it.
     expected = -20.0 + decibels(R * 2.0 * math.sin(0.5 * FAN) * BIN_LENGTH) - 40.0 * np.log10(R)
     assert decibels(record[-1]) == pytest.approx(expected[-1] + decibels(1.0 / math.sqrt(1.0 - 0.16)), abs=0.5)
-
-
-def test_both_are_the_sum_of_the_two():
+    # For one depth in some 1500, the square of a float and the same square in an array differ in their last bit.
+    for depth in np.random.default_rng(5).uniform(60.0, 600.0, 2000).tolist():
+        assert not surface_echo(arrays(bins=8), depth).any(), "beyond the record"
     each = [record_of(SILENCE, receiver__reverberation=kind) for kind in ("volume", "surface", "both")]
     np.testing.assert_allclose(each[0] + each[1], each[2], rtol=1e-6)
 
 
 @pytest.mark.parametrize("source_level", [0.0, 220.0])
-def test_noise_is_exponential_about_its_level_whatever_the_source(source_level):
+def test_noise_is_exponential_about_its_level_whatever_the_source_that_scales_the_echo(source_level):
     silence, noise = np.zeros((200, 2, BINS), np.float32), {"kind": "ambient", "level": 55.0}
     record = record_of(silence, receiver__noise=noise, receiver__source_level=source_level).astype(float)
     n = record.size / (1.0 + 2.0 / 9.0)
     assert decibels(record.mean()) == pytest.approx(55.0, abs=3.0 * decibels(math.e) / math.sqrt(n))
     assert record.std() / record.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / n))
-
-
-def test_the_source_level_scales_the_echo():
     traced = np.full((1, 2, 50), 1e-9, np.float32)
-    record = record_of(traced, receiver__source_level=200.0, sonar__pulse="ideal")
-    np.testing.assert_allclose(decibels(record.astype(float)), 110.0, atol=1e-4)
+    echo = record_of(traced, receiver__source_level=source_level, sonar__pulse="ideal").astype(float)
+    np.testing.assert_allclose(decibels(echo), source_level - 90.0, atol=1e-4)
 
 
 def tvg(spreading=30.0, absorption=0.0):
     return {"kind": "power", "spreading": spreading, "absorption": absorption}
 
 
-@pytest.mark.parametrize("spreading", [20.0, 30.0, 40.0])
-@pytest.mark.parametrize("absorption", [0.0, 120.0])
-def test_the_gain_is_spreading_log_r_and_2_alpha_r(spreading, absorption):
+def test_the_gain_is_spreading_log_r_and_2_alpha_r_of_the_water_where_left_out():
     traced = np.full((1, 2, BINS), 1e-6, np.float32)
-    record = record_of(traced, receiver__tvg=tvg(spreading, absorption), sonar__pulse="ideal")[0, 0]
-    expected = spreading * np.log10(R) + 2.0 * absorption * R / 1e3
-    np.testing.assert_allclose(decibels(record.astype(float)) + 60.0, expected, atol=1e-4)
-
-
-def test_left_out_the_absorption_is_that_of_the_water():
+    for spreading, absorption in itertools.product((20.0, 30.0, 40.0), (0.0, 120.0)):
+        record = record_of(traced, receiver__tvg=tvg(spreading, absorption), sonar__pulse="ideal")[0, 0]
+        expected = spreading * np.log10(R) + 2.0 * absorption * R / 1e3
+        np.testing.assert_allclose(decibels(record.astype(float)) + 60.0, expected, atol=1e-4)
     own, given = ready(water__absorption=97.0, receiver__tvg="power"), ready(receiver__tvg=tvg(30.0, 97.0))
     np.testing.assert_allclose(own.gain, given.gain, rtol=1e-12)
 
@@ -146,10 +137,7 @@ def test_the_gain_stops_where_the_bed_sinks_into_the_noise():
     assert bed[first] == pytest.approx(-70.0, abs=1.0)
     assert (loud.gain[first - 1 :] == loud.gain[first - 1]).all()
     np.testing.assert_array_equal(loud.gain[:first], quiet.gain[:first])
-
-
-def test_a_gain_beyond_all_bounds_is_clipped_too():
-    # 20 dB a metre of a water that takes nothing.
+    # Beyond all bounds it is clipped too: 20 dB a metre of a water that takes nothing.
     traced = np.full((1, 2, BINS), 1e-4, np.float32)
     for source_level in (0.0, 300.0):
         record = record_of(traced, receiver__tvg=tvg(40.0, 1e4), receiver__source_level=source_level)
@@ -182,26 +170,16 @@ def tabulated(width, columns=4001, **vertical):
     return arrays(width, pattern=tabulated_pattern(s[-1], energy, **vertical))
 
 
-def test_a_tabled_beam_hears_what_its_top_hat_hears():
+def test_a_tabled_beam_hears_what_its_top_hat_hears_and_a_vertical_one_its_share_of_the_water():
     table, plain = tabulated(0.05), arrays(0.05)
     np.testing.assert_allclose(coherence_angle(table), coherence_angle(plain), rtol=1e-3)
     np.testing.assert_allclose(volume_echo(table, 10.0, 20.0), volume_echo(plain, 10.0, 20.0), rtol=1e-3)
     one, other = surface_echo(table, 12.0)[245:], surface_echo(plain, 12.0)[245:]
     np.testing.assert_allclose(one, other, rtol=0.02)
     assert one.sum() == pytest.approx(other.sum(), rel=3e-3)
-
-
-def test_a_surface_beyond_the_record_is_silent_at_any_depth():
-    # For one depth in some 1500, the square of a float and the same square in an array differ in their last bit.
-    for depth in np.random.default_rng(5).uniform(60.0, 600.0, 2000).tolist():
-        assert not surface_echo(arrays(bins=8), depth).any()
-
-
-def test_a_vertical_beam_hears_its_share_of_the_water():
     # 40° about 30° below the horizontal: neither the surface nor 40/180 of the shell more.
     options = {"vertical": TOP_HAT, "tilt": math.radians(30.0), "s_vertical": math.sin(math.radians(20.0))}
-    fan, plain = tabulated(0.05, **options), tabulated(0.05)
+    fan, open_water = tabulated(0.05, **options), 100.0
     assert not surface_echo(fan, 12.0).any()
-    open_water = 100.0
-    ratio = volume_echo(fan, open_water, open_water) / volume_echo(plain, open_water, open_water)
+    ratio = volume_echo(fan, open_water, open_water) / volume_echo(table, open_water, open_water)
     np.testing.assert_allclose(ratio, 40.0 / 180.0, rtol=2e-3)

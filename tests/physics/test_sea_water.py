@@ -20,14 +20,11 @@ QUIET = {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal", "track.
 QUIET |= {"seabed.material.diffuse": 0.2}  # at every frequency
 
 
-def test_absorption_is_as_tabulated_and_pieces_of_pure_water_meet_at_20_degrees():
+def test_absorption_is_as_tabulated_lessened_by_pressure_and_increased_by_salt():
     for frequency, row in TABLE.items():
         assert {t: francois_garrison(frequency, t) for t in row} == pytest.approx(row, rel=1e-3), frequency
     below, above = (francois_garrison(900e3, t) for t in (20.0, 20.0 + 1e-9))
-    assert above == pytest.approx(below, rel=1e-3)
-
-
-def test_pressure_lessens_and_salt_increases_it():
+    assert above == pytest.approx(below, rel=1e-3), "pieces of pure water meet at 20 °C"
     surface = francois_garrison(100e3, 10.0)
     assert francois_garrison(100e3, 10.0, depth=1000.0) < surface
     assert francois_garrison(100e3, 10.0, salinity=38.0) > surface
@@ -68,21 +65,16 @@ def test_a_record_takes_the_sonars_own_depth_and_frequency():
     assert -10.0 * math.log10(ratio) == pytest.approx(2.0 * decibels * 900.5 * 0.05 / 1e3, rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("name", "temperatures", "depth", "speeds", "bound"),
-    [
+def test_speeds_are_as_printed_and_agree_over_the_sea():
+    for name, temperatures, depth, speeds, bound in (
         ("paper", [0.0, 10.0, 20.0], 0.0, [1449.000, 1489.800, 1521.400], 5.1e-4),
         ("mackenzie", [0.0, 10.0, 20.0], 0.0, [1448.960, 1489.803, 1521.463], 5.1e-4),
         ("teos10", [0.0, 10.0, 20.0], 0.0, [1449.025, 1489.789, 1521.480], 5.1e-4),
         ("mackenzie", [25.0], 1000.0, [1550.744], 5e-4),
         ("paper", [10.0, 20.0], 50.0, [1490.62, 1522.22], 5e-3),
-    ],
-)
-def test_speeds_are_as_printed(name, temperatures, depth, speeds, bound):
-    np.testing.assert_allclose(EQUATIONS[name](temperatures, 35.0, depth), speeds, rtol=0.0, atol=bound)
-
-
-def test_the_three_agree_over_the_sea_and_the_paper_without_its_misprint_grows_with_temperature():
+    ):
+        found = EQUATIONS[name](temperatures, 35.0, depth)
+        np.testing.assert_allclose(found, speeds, rtol=0.0, atol=bound, err_msg=name)
     assert (np.diff(paper(np.linspace(0.0, 30.0, 61), 35.0, 0.0)) > 0.0).all()  # printed: 0.55 t², which falls
     t, s, d = (axis.ravel() for axis in np.meshgrid([2.0, 12.0, 25.0], [30.0, 35.0, 38.0], [0.0, 100.0, 1000.0]))
     assert np.abs(paper(t, s, d) - teos10(t, s, d)).max() < 0.8

@@ -21,13 +21,8 @@ from insonify.scene_edits import add_dependent_edits
 from insonify.simulation import prepare, simulate
 from receptions import decibels, scene_with
 
-BARE = {
-    "targets": [],
-    "seabed__relief": "flat",
-    "receiver__speckle": "none",
-    "receiver__fluctuation": "none",
-    "track__pings": 400,
-}
+BARE = {"targets": [], "seabed__relief": "flat", "track__pings": 400}
+BARE |= {"receiver__speckle": "none", "receiver__fluctuation": "none"}
 DISTURBED = {"receiver.noise": {"kind": "density", "level": 55.0}, "receiver.source_level": 200.0}
 QUIET = {"receiver.noise": "none", "receiver.reverberation": "none"}
 
@@ -52,8 +47,7 @@ SONARS = {
 @pytest.mark.parametrize("changes", SONARS.values(), ids=SONARS)
 def test_it_is_the_mean_record_of_a_level_bed(changes):
     """The bed alone, noise alone and all together, within 0.1 dB from 1.4 altitudes on."""
-    scene = raw(**changes)
-    scene = edit(scene, DISTURBED)
+    scene = edit(raw(**changes), DISTURBED)
     solved, _ = solve_sonar_equation(scene)
     beyond = solved.slant_range > 14.0
     quiet = edit(scene, {**QUIET, "receiver.tvg": "none"})
@@ -73,24 +67,15 @@ def test_terms_against_a_calculation_by_hand():
     strength = math.sin(theta) ** 2 * 0.2371 / math.pi  # as strong as the model of the sediment at 30° and 400 kHz
     area = math.radians(1.0) * r * 1500.0 * 1e-4 / 2.0 / math.cos(theta)
     terms = {name: float(term[k]) for name, term in solved.bed.terms.items()}
-    assert terms == pytest.approx(
-        {
-            "source level": 190.0,
-            "spreading out": -20.0 * math.log10(r),
-            "spreading back": -20.0 * math.log10(r),
-            "absorption out": -alpha * r,
-            "absorption back": -alpha * r,
-            "beam vertically": 0.0,
-            "backscatter": decibels(strength),
-            "area": decibels(area),
-        },
-        abs=0.05,
-    )
+    by_hand = {"source level": 190.0, "beam vertically": 0.0, "backscatter": decibels(strength), "area": decibels(area)}
+    for way in ("out", "back"):
+        by_hand |= {f"spreading {way}": -20.0 * math.log10(r), f"absorption {way}": -alpha * r}
+    assert terms == pytest.approx(by_hand, abs=0.05)
     assert solved.energy == pytest.approx(150.0)
     volume = next(each for each in solved.disturbances if each.name == "volume reverberation")
     angle = 2.0 * math.sin(math.radians(0.5)) * (math.asin(10.0 / r) + math.asin(20.0 / r))  # up to surface and bed
-    by_hand = 190.0 - 60.0 + decibels(angle * r**2 * 0.075) - 40.0 * math.log10(r) - 2.0 * alpha * r
-    assert float(volume.decibels[k]) == pytest.approx(by_hand, abs=0.05)
+    of_volume = 190.0 - 60.0 + decibels(angle * r**2 * 0.075) - 40.0 * math.log10(r) - 2.0 * alpha * r
+    assert float(volume.decibels[k]) == pytest.approx(of_volume, abs=0.05)
 
 
 def test_a_small_target_has_its_level_in_the_record():
@@ -118,17 +103,17 @@ def test_levels_drown_where_they_meet_the_noise():
     assert farther.farthest(farther.target) == pytest.approx(by_hand, rel=0.01)
 
 
-def test_the_command_prints_and_writes_it(tmp_path, capsys):
+def test_the_command_prints_and_writes_it_and_a_scene_without_noise_never_drowns(tmp_path, capsys):
     scene, path = load_scene("raw-record"), tmp_path / "levels.csv"
     assert main(["budget", "raw-record", "--range", "30", "--target", "-15", "-o", str(path)]) == 0
     printed = capsys.readouterr().out
     solved, _ = solve_sonar_equation(scene, -15.0)
     k = int(30.0 / 50.0 * 1000)
-    for words in ("= bed ", "= noise ", "= target ", "= record of the bed "):
-        line = next(line for line in printed.splitlines() if line.startswith(words))
-        level = {"= bed ": solved.bed, "= noise ": solved.disturbances[0], "= target ": solved.target}.get(words)
-        shown = solved.record if level is None else level.decibels
-        assert f"{shown[k]:.2f} dB" in line
+    levels = {"bed": solved.bed, "noise": solved.disturbances[0], "target": solved.target}
+    shown = {name: level.decibels for name, level in levels.items()} | {"record of the bed": solved.record}
+    for name, decibels_shown in shown.items():
+        line = next(line for line in printed.splitlines() if line.startswith(f"= {name} "))
+        assert f"{decibels_shown[k]:.2f} dB" in line
     with path.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert float(rows[k]["bed (dB)"]) == pytest.approx(solved.bed.decibels[k], abs=1e-3)
@@ -137,20 +122,12 @@ def test_the_command_prints_and_writes_it(tmp_path, capsys):
     for suffix in (".png", ".svg"):
         write_sonar_equation(tmp_path / f"levels{suffix}", solved)
         assert (tmp_path / f"levels{suffix}").stat().st_size > 1000
-
-
-def test_a_scene_without_noise_never_drowns(capsys):
     assert main(["budget", "sediments"]) == 0
     printed = capsys.readouterr().out
     assert "= bed " in printed
     assert "over noise" not in printed
     assert "bed: above noise and reverberation up to" in printed
     assert "  sandy_gravel   1.0000" in printed
-
-
-def test_the_law_of_light_has_no_levels():
-    with pytest.raises(SceneError, match="no sonar equation"):
-        solve_sonar_equation(edit(load_scene("pipe-on-bed"), {"sonar.law": "light"}))
 
 
 # Target strengths: energies add, which is geometrical acoustics, ka >> 1 (a sphere of 0.1 m at 400 kHz: ka = 168), with
@@ -163,14 +140,9 @@ DISTANCE = 20.0
 def strength_of(target, width=10.0, **changes):
     """Target strength of the record, of a target at the height of the sonar, over a silent bed."""
     target = target | {"position": [0.0, DISTANCE, -20.0], "material": MIRROR} | changes
-    fixed = {
-        "targets": [target],
-        "seabed.depth": 40.0,
-        "track.altitude": 20.0,
-        "track.pings": 1,
-        "sonar.beam": {"kind": "fan", "width": width},
-    }
-    record = simulate(edit(load_scene("pipe-span"), fixed), truth=True, forced={"planes": "128"})
+    place = {"targets": [target], "seabed.depth": 40.0, "track.altitude": 20.0, "track.pings": 1}
+    scene = edit(load_scene("pipe-span"), place | {"sonar.beam": {"kind": "fan", "width": width}})
+    record = simulate(scene, truth=True, forced={"planes": "128"})
     return float(record.target_strength.item())
 
 
@@ -195,9 +167,8 @@ def test_a_mesh_returns_as_the_solid_that_it_stands_for(tmp_path):
     """A Lambert sphere of facets: 2/3 k a², and by its solid as well."""
     path, radius = tmp_path / "ball.obj", 0.5
     vertices, facets = icosphere(4, radius)
-    corners = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in vertices]
-    faces = [f"f {a} {b} {c}" for a, b, c in facets + 1]
-    path.write_text("\n".join([*corners, *faces]), encoding="utf-8")
+    lines = [f"v {x:.9f} {y:.9f} {z:.9f}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in facets + 1]
+    path.write_text("\n".join(lines), encoding="utf-8")
     lambert = {"name": "steel", "diffuse": 0.6, "specular": 0.0}
     mesh = strength_of({"kind": "mesh", "path": str(path)}, width=4.0, material=lambert)
     assert mesh == pytest.approx(decibels(2.0 / 3.0 * 0.6 * radius**2), abs=0.3)
@@ -221,20 +192,23 @@ def noise_of(**changes):
 
 
 @pytest.mark.parametrize(
-    ("pulse", "window"),
+    ("pulse", "window", "gain"),
     [
-        (TONE, 1.0),
-        (LONG_TONE, 1.0),
-        *((CHIRP | {"window": name}, width) for name, width in (("uniform", 1.0), ("hamming", 1.3628), ("hann", 1.5))),
+        (TONE, 1.0, 0.0),
+        (LONG_TONE, 1.0, 0.0),
+        (CHIRP | {"window": "uniform"}, 1.0, decibels(30.0)),
+        (CHIRP, 1.3628, decibels(30.0) - 1.34),  # Harris 1978, table 1: a Hamming window lets in the noise of 1.36 bins
+        (CHIRP | {"window": "hann"}, 1.5, decibels(30.0) - 1.76),
     ],
     ids=["tone 0.1 ms", "tone 1 ms", "chirp", "chirp by Hamming's window", "chirp by Hann's window"],
 )
-def test_bed_and_noise_against_a_calculation_by_hand(pulse, window):
+def test_bed_noise_and_processing_gain_against_a_calculation_by_hand(pulse, window, gain):
     """200 dB - 40 log r + S_b + 10 log(1 m cell / cosθ); 35 dB + 10 log(w/T) - 3 dB: docs/theory/levels.md.
 
     The cell is cT/2 of a tone, whose middle is half of it nearer than the bin, and cw/2B of a chirp:
     a window lengthens the cell as much as it lets more noise in. A knife with an even vertical beam hears one half
     space: 3 dB. A point's echo keeps its level, so that energy over density is E/N₀ = SL + 10 log T - N₀.
+    The gain is the product of time and bandwidth.
     """
     scene = level_bed(sonar__pulse=pulse, receiver__noise=DENSITY, seabed__material__diffuse=0.2)
     cell = 0.5 * C * (window / pulse["bandwidth"] if "bandwidth" in pulse else pulse["duration"])
@@ -248,28 +222,12 @@ def test_bed_and_noise_against_a_calculation_by_hand(pulse, window):
     assert decibels(record[k - 10 : k + 10].mean()) == pytest.approx(bed, abs=0.02)
     level = decibels(prepare(scene).reception.find(Noise).level)
     assert level == pytest.approx(noise, abs=1e-9 if window == 1.0 else 0.005)
+    assert decibels(scene.sonar.pulse.processing_gain(1e-5)) == pytest.approx(gain, abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("pulse", "gain"),
-    [
-        (TONE, 0.0),
-        (CHIRP | {"window": "uniform"}, decibels(30.0)),
-        (CHIRP, decibels(30.0) - 1.34),  # Harris 1978, table 1: the noise bandwidth of a Hamming window is 1.36 bins
-        (CHIRP | {"window": "hann"}, decibels(30.0) - 1.76),
-    ],
-)
-def test_processing_gain_is_the_product_of_time_and_bandwidth(pulse, gain):
-    assert decibels(level_bed(sonar__pulse=pulse).sonar.pulse.processing_gain(1e-5)) == pytest.approx(gain, abs=0.01)
-
-
-def test_a_pulse_shorter_than_any_bin_takes_in_noise_as_one_of_a_bin():
-    """2.5 cm of slant range, 1/30 ms."""
-    ideal = noise_of(sonar__pulse="ideal", receiver__noise=DENSITY)
+def test_the_record_has_the_declared_noise_and_the_shortest_pulse_that_of_a_bin():
+    ideal = noise_of(sonar__pulse="ideal", receiver__noise=DENSITY)  # 2.5 cm of slant range, 1/30 ms
     assert ideal == pytest.approx(35.0 + decibels(C / 0.05) - decibels(2.0), abs=0.05)
-
-
-def test_the_record_has_the_declared_noise():
     simulation = prepare(level_bed(sonar__pulse=CHIRP, receiver__noise=DENSITY))
     silence = np.zeros((200, 2, simulation.arrays.bins), np.float32)
     measured = receive(simulation.reception, silence, np.arange(200)).astype(np.float64).mean()
@@ -301,19 +259,13 @@ SEA_STATES = {0.0: (27.1, 9.0), 2.5: (36.5, 18.4), 4.5: (42.8, 24.6), 6.7: (46.6
               12.3: (50.9, 32.8), 15.5: (53.5, 35.4)}  # fmt: skip
 
 
-@pytest.mark.parametrize(("wind", "levels"), SEA_STATES.items())
-def test_wind_noise_follows_the_tabulated_sea_states(wind, levels):
-    assert [wind_noise(f, wind) for f in (10e3, 100e3)] == pytest.approx(levels, abs=3.5)
-
-
-def test_thermal_noise_is_that_of_the_available_power():
-    """4πKTρf²/c per hertz (Mellen 1952), at 10 °C."""
+def test_noises_of_the_sea_are_as_tabulated_and_add_up():
+    for wind, levels in SEA_STATES.items():
+        assert [wind_noise(f, wind) for f in (10e3, 100e3)] == pytest.approx(levels, abs=3.5), wind
+    # The available power, 4πKTρf²/c per hertz (Mellen 1952), at 10 °C.
     pressure = 4.0 * math.pi * 1.380649e-23 * 283.15 * 1027.0 * (100e3) ** 2 / 1490.0 * 1e12
     assert thermal_noise(100e3) == pytest.approx(decibels(pressure), abs=0.4)
     assert thermal_noise(100e3) == pytest.approx(25.0, abs=0.1)  # as tabulated
-
-
-def test_the_noises_of_the_sea_add_up():
     sea = {"kind": "sea", "wind": 8.0, "rain": "heavy"}
     parts = wind_noise(455e3, 8.0), rain_noise(455e3, "heavy"), thermal_noise(455e3)
     density = decibels(sum(10.0 ** (part / 10.0) for part in parts))
@@ -346,13 +298,12 @@ def test_noise_by_the_wanted_ratio(changes):
     assert decibels(measured / level) == pytest.approx(15.0, abs=0.6 if tow else 0.1)
 
 
-def test_a_range_without_bed_is_refused():
+def test_levels_need_a_bed_in_range_a_source_and_the_law_of_sonar():
+    with pytest.raises(SceneError, match="no sonar equation"):
+        solve_sonar_equation(edit(load_scene("pipe-on-bed"), {"sonar.law": "light"}))
     for at in (5.0, 60.0):
         with pytest.raises(SceneError, match=r"receiver\.noise: there is no echo of the bed at"):
             noise_of(receiver__noise={"kind": "snr", "at": at})
-
-
-def test_noise_in_micropascals_needs_a_source():
     with pytest.raises(SceneError, match=r"receiver\.source_level 0 is relative"):
         level_bed(receiver__source_level=0.0, receiver__noise="sea")
     scene = level_bed(receiver__source_level=0.0)

@@ -1,5 +1,6 @@
 """Speckle, and fluctuation from ping to ping: distributions and how far they keep together, against closed forms."""
 
+import itertools
 import math
 
 import numpy as np
@@ -56,17 +57,14 @@ def test_one_look_is_rayleigh_and_more_average(looks):
         assert variation(intensity) == pytest.approx(RAYLEIGH, abs=3 * 0.47 / n**0.5)
 
 
-@pytest.mark.parametrize("duration", [1e-4, 2e-4, 5e-4])
-def test_neighbouring_bins_correlate_as_the_pulse_covers_both(duration):
-    intensity = speckle(3000, sonar__pulse={"kind": "tone", "duration": duration})
-    length = 0.5 * 1500.0 * duration / BIN_LENGTH
-    n = effective(3000, BINS, correlation_across=length)
-    for lag in range(1, math.ceil(length) + 2):
-        wanted = max(0.0, 1.0 - lag / length) ** 2
-        assert correlation(intensity, lag, 2) == pytest.approx(wanted, abs=4.0 / math.sqrt(n))
-
-
-def test_neighbouring_bins_of_a_chirp_correlate_by_its_bandwidth():
+def test_neighbouring_bins_correlate_as_the_pulse_covers_both_and_those_of_a_chirp_by_its_bandwidth():
+    for duration in (1e-4, 2e-4, 5e-4):
+        intensity = speckle(3000, sonar__pulse={"kind": "tone", "duration": duration})
+        length = 0.5 * 1500.0 * duration / BIN_LENGTH
+        n = effective(3000, BINS, correlation_across=length)
+        for lag in range(1, math.ceil(length) + 2):
+            wanted = max(0.0, 1.0 - lag / length) ** 2
+            assert correlation(intensity, lag, 2) == pytest.approx(wanted, abs=4.0 / math.sqrt(n)), (duration, lag)
     pulse = Chirp(duration=1e-3, bandwidth=6e3)
     intensity, wanted = speckle(3000, sonar__pulse=pulse.model_dump()), coherence(pulse, 1500.0, BIN_LENGTH) ** 2
     n = effective(3000, BINS, correlation_across=3.0)
@@ -74,25 +72,17 @@ def test_neighbouring_bins_of_a_chirp_correlate_by_its_bandwidth():
         assert correlation(intensity, lag, 2) == pytest.approx(wanted[lag], abs=4.0 / math.sqrt(n))
 
 
-def interval(intensity, lags):
-    """∫|ρ|² along the track, in pings."""
-    return 1.0 + 2.0 * sum(correlation(intensity, lag, 0) for lag in range(1, lags))
-
-
-@pytest.mark.parametrize("pings_within", [3.0, 8.0, 30.0])
-def test_pings_keep_together_over_half_an_array(pings_within):
+def test_pings_keep_together_over_half_an_array_and_a_broad_beam_decorrelates_sooner():
     # λ/2θ, at any range: pings so close that so many lie within it.
     length = 0.5 * WAVELENGTH / (2.0 * math.sin(math.radians(WIDTH / 2.0)))
-    intensity = speckle(6000, track__speed=10.0 * length / pings_within, sonar__pulse="ideal")
-    for part in (intensity[:, :, :200], intensity[:, :, 200:]):
-        n = effective(6000, 200, correlation_along=pings_within)
-        lags = math.ceil(2.2 * pings_within)
-        sigma = pings_within * math.sqrt(2.0 * lags / pings_within) / math.sqrt(n)
-        # A triangle of a few pings, sampled at pings, has its interval to 3 %.
-        assert interval(part, lags) == pytest.approx(pings_within, rel=0.03, abs=4.0 * sigma)
-
-
-def test_a_broad_beam_decorrelates_sooner():
+    for within in (3.0, 8.0, 30.0):
+        intensity = speckle(6000, track__speed=10.0 * length / within, sonar__pulse="ideal")
+        for part in (intensity[:, :, :200], intensity[:, :, 200:]):
+            n, lags = effective(6000, 200, correlation_along=within), math.ceil(2.2 * within)
+            sigma = within * math.sqrt(2.0 * lags / within) / math.sqrt(n)
+            interval = 1.0 + 2.0 * sum(correlation(part, lag, 0) for lag in range(1, lags))  # ∫|ρ|², in pings
+            # A triangle of a few pings, sampled at pings, has its interval to 3 %.
+            assert interval == pytest.approx(within, rel=0.03, abs=4.0 * sigma)
     narrow, broad = (speckle(400, half_width=w, track__speed=0.2, sonar__pulse="ideal") for w in (0.25, 1.0))
     # 0.21 m and 0.05 m, in pings 2 cm apart.
     assert correlation(narrow, 2, 0) > 0.7
@@ -107,28 +97,20 @@ def test_of_an_ideal_pulse_bins_sides_and_other_pings_are_independent():
     assert abs((intensity[:, 0] * intensity[:, 1]).mean()) < 1.5 * bound
 
 
-def k(shape, cell=None, looks=1):
-    return {"kind": "k", "shape": shape, "looks": looks} | ({} if cell is None else {"cell": cell})
+def k(shape, **more):
+    return {"kind": "k", "shape": shape, **more}
 
 
-@pytest.mark.parametrize("shape", [0.5, 1.0, 3.0, 20.0])
-@pytest.mark.parametrize("looks", [1, 4])
-def test_k_has_its_moments(shape, looks):
-    # 5 m a ping, so that cells never overlap.
-    intensity = speckle(1500, speckle=k(shape, looks=looks), sonar__pulse="ideal", track__speed=50.0)
-    n = intensity.size
-    # I = Gamma × Exp: E I² = (1 + 1/ν)(1 + 1/L), and likewise up to the eighth moment for the scatter of the second.
-    moment = [
-        math.prod(1.0 + j / shape for j in range(m)) * math.prod(1.0 + j / looks for j in range(m)) for m in range(9)
-    ]
-    variance = moment[2] - 1.0
-    assert intensity.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / n))
-    assert (intensity**2).mean() == pytest.approx(moment[2], abs=3.0 * math.sqrt((moment[4] - moment[2] ** 2) / n))
-    if looks == 1:
-        assert variance == pytest.approx(1.0 + 2.0 / shape)
-
-
-def test_k_of_many_scatterers_is_rayleigh():
+def test_k_has_its_moments_and_is_rayleigh_of_many_scatterers():
+    for shape, looks in itertools.product((0.5, 1.0, 3.0, 20.0), (1, 4)):
+        # 5 m a ping, so that cells never overlap.
+        intensity = speckle(1500, speckle=k(shape, looks=looks), sonar__pulse="ideal", track__speed=50.0)
+        # I = Gamma × Exp: E I² = (1 + 1/ν)(1 + 1/L), and likewise to the eighth moment for the scatter of the second.
+        moment = [math.prod((1.0 + j / shape) * (1.0 + j / looks) for j in range(m)) for m in range(9)]
+        variance, second = moment[2] - 1.0, moment[4] - moment[2] ** 2
+        assert intensity.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / intensity.size))
+        assert (intensity**2).mean() == pytest.approx(moment[2], abs=3.0 * math.sqrt(second / intensity.size))
+        assert looks > 1 or variance == pytest.approx(1.0 + 2.0 / shape)
     intensity = speckle(200, speckle=k(1e4), sonar__pulse="ideal", track__speed=50.0)[::10, :, ::10].ravel()
     assert stats.kstest(intensity, "expon").statistic < 1.95 / math.sqrt(intensity.size)
 
@@ -187,8 +169,7 @@ def test_each_material_has_its_own_shape():
 def test_the_shape_of_a_bin_is_the_mean_of_what_it_hears():
     changes = {"receiver__speckle": k(2.0), "track__speed": 50.0, "sonar__pulse": "ideal"}
     ready = reception(200, altitude=5.0, half_width=0.01, **changes)
-    pings = np.arange(4000)
-    traced = np.ones((4000, 2, 200), np.float32)
+    traced, pings = np.ones((4000, 2, 200), np.float32), np.arange(4000)
     own, same = receive(ready, traced, pings), receive(ready, traced, pings, 0.5 * traced)
     np.testing.assert_allclose(same, own, rtol=1e-5)
     # Half the echo of shape 1 and half of shape 1/3: 1/ν = 2.
@@ -225,14 +206,11 @@ def test_the_level_has_its_deviation_and_its_memory(time):
         assert abs((centred[3 * lag :] * centred[: -3 * lag]).mean() / centred.var()) < 4.0 / math.sqrt(samples)
 
 
-def test_both_sides_of_a_ping_and_all_its_bins_share_a_gain():
+def test_both_sides_of_a_ping_and_all_its_bins_share_a_gain_and_a_shift_that_keeps_their_energy():
     traced = np.random.default_rng(0).random((50, 2, FEW), np.float32) + 0.1
     ratio = receive(ready(level=3.0), traced, np.arange(50)) / traced
     np.testing.assert_allclose(ratio, ratio[:, :1, :1] * np.ones((1, 2, FEW)), rtol=1e-5)
     assert np.ptp(ratio) > 0.1
-
-
-def test_the_water_shifts_echoes_and_keeps_their_energy():
     traced = np.zeros((4000, 2, FEW), np.float32)
     traced[:, :, 30] = 1.0
     # 0.1 ms is 7.5 cm of slant range, 1.5 bins.

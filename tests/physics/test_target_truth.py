@@ -20,6 +20,7 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
 from insonify.tracers import rays, sweep
 from insonify.tracers.labels import PATHS, describe_contributors, empty_labels, trace_labels, turn_into_degrees
+from receptions import decibels
 from water import water_about
 
 FLAT = np.zeros((4, 4))
@@ -28,13 +29,8 @@ ALTITUDE = 10.0
 
 def scene_of(target, **changes):
     """A level bed of 10 m altitude, a wide beam, and one target."""
-    fixed = {
-        "targets": [target],
-        "sonar.beam": {"kind": "fan", "width": 6.0},
-        "track.start": [18.0, 0.0],
-        "track.pings": 21,
-    }
-    return edit(load_scene("pipe-span"), fixed | changes)
+    fixed = {"targets": [target], "sonar.beam": {"kind": "fan", "width": 6.0}}
+    return edit(load_scene("pipe-span"), fixed | {"track.start": [18.0, 0.0], "track.pings": 21} | changes)
 
 
 def sphere_cross_section(radius, distance, diffuse):
@@ -47,28 +43,22 @@ def sphere_cross_section(radius, distance, diffuse):
     return 2.0 * diffuse * radius**2 * np.sum(cosine**2 * np.sin(psi)) * step
 
 
-@pytest.mark.parametrize(("radius", "distance"), [(0.5, 20.0), (0.2, 35.0), (1.0, 15.0)])
-def test_target_strength_of_a_lambert_sphere(radius, distance):
-    """Far off it is 10 log10(2 k a² / 3): ∫ cos²α dA over a hemisphere is 2πa²/3."""
-    diffuse = 0.6
-    position = [20.0, distance, -22.0]  # 2 m below the sonar
-    material = {"name": "steel", "diffuse": diffuse, "specular": 0.0}
-    ball = {"kind": "sphere", "radius": radius, "position": position, "material": material}
-    width = math.degrees(3.0 * radius / distance)  # half as wide again as the ball
-    scene = scene_of(ball, **{"sonar.beam": {"kind": "fan", "width": width}})
-    record = simulate(scene, truth=True, forced={"planes": "64"})
-    strength = record.target_strength.sel(target="sphere_0").item()
-    away = math.hypot(distance, 2.0)
-    assert strength == pytest.approx(10.0 * math.log10(sphere_cross_section(radius, away, diffuse)), abs=0.03)
-    assert strength == pytest.approx(10.0 * math.log10(2.0 / 3.0 * diffuse * radius**2), abs=9.0 * radius / away)
-
-
-def test_target_strength_of_a_metre_of_pipe():
-    """A knife takes in 1 m: (k/π) ∫ cos²α a dα over half a turn is k a / 2."""
+def test_target_strengths_of_lambert_spheres_and_a_metre_of_pipe():
+    """Far off a sphere has 10 log10(2 k a² / 3): ∫ cos²α dA over a hemisphere is 2πa²/3."""
+    steel = {"name": "steel", "diffuse": 0.6, "specular": 0.0}
+    for radius, distance in ((0.5, 20.0), (0.2, 35.0), (1.0, 15.0)):
+        ball = {"kind": "sphere", "radius": radius, "position": [20.0, distance, -22.0]}  # 2 m below the sonar
+        width = math.degrees(3.0 * radius / distance)  # half as wide again as the ball
+        scene = scene_of(ball | {"material": steel}, **{"sonar.beam": {"kind": "fan", "width": width}})
+        record = simulate(scene, truth=True, forced={"planes": "64"})
+        strength, away = record.target_strength.sel(target="sphere_0").item(), math.hypot(distance, 2.0)
+        assert strength == pytest.approx(decibels(sphere_cross_section(radius, away, 0.6)), abs=0.03)
+        assert strength == pytest.approx(decibels(2.0 / 3.0 * 0.6 * radius**2), abs=9.0 * radius / away)
+    # A knife takes in 1 m of a pipe: (k/π) ∫ cos²α a dα over half a turn is k a / 2.
     pipe = {"kind": "pipe", "position": [20.0, 40.0], "length": 80.0, "radius": 0.05, "gap": 8.0}
-    pipe["material"] = {"name": "steel", "diffuse": 0.8, "specular": 0.0}
+    pipe["material"] = steel | {"diffuse": 0.8}
     record = simulate(scene_of(pipe, **{"sonar.beam": "knife"}), truth=True)
-    assert record.target_strength.item() == pytest.approx(10.0 * math.log10(0.5 * 0.8 * 0.05), abs=0.01)
+    assert record.target_strength.item() == pytest.approx(decibels(0.5 * 0.8 * 0.05), abs=0.01)
 
 
 def test_target_strength_is_the_echo_of_the_record_without_its_spreading():
@@ -104,23 +94,15 @@ def test_a_plate_casts_a_shadow_from_its_foot_to_where_its_upper_edge_comes_down
     assert record.shadow_length.sel(target="box_0", channel="starboard").item() == 0.0
 
 
-@pytest.fixture(scope="module")
-def targets():
-    return edit(load_scene("targets"), {"track.pings": 60, "track.speed": 16.0, "sonar.bins": 500})
-
-
-@pytest.fixture(scope="module")
-def record(targets):
-    return simulate(targets, truth=True)
-
-
 def bounds_of(mask):
     """First and last ping and bin of a mask (ping, bin), -1 without any."""
     pings, bins = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     return [pings[0], pings[-1], bins[0], bins[-1]] if pings.size else [-1] * 4
 
 
-def test_boxes_hold_the_labelled_bins(targets, record):
+def test_boxes_and_strengths_are_those_of_labels_in_the_record_its_files_and_its_blocks(tmp_path):
+    targets = edit(load_scene("targets"), {"track.pings": 60, "track.speed": 16.0, "sonar.bins": 500})
+    record = simulate(targets, truth=True)
     for target in range(len(targets.targets)):
         for side in range(2):
             echo = (record.target_id.values[side] == target) & (record.path.values[side] == PATHS.index("direct"))
@@ -131,21 +113,15 @@ def test_boxes_hold_the_labelled_bins(targets, record):
             assert record.shadow_length.values[target, side] == pytest.approx(max(spans, default=0) * 0.08)
     assert (record.echo_box.values[..., 0] >= 0).sum() == len(targets.targets)
     assert np.isfinite(record.target_strength).all()
-
-
-@pytest.mark.parametrize("suffix", [".nc", ".npz", ".zarr"])
-def test_files_hold_it_for_the_whole_record(tmp_path, targets, record, suffix):
-    write_record(tmp_path / f"a{suffix}", simulate_blocks(targets, truth=True, block=7))
-    read = read_record(tmp_path / f"a{suffix}")
-    for name in ("echo_box", "shadow_box", "target_box", "shadow_length", "target_strength"):
-        xr.testing.assert_equal(read[name].reset_coords(drop=True), record[name].reset_coords(drop=True))
-        if suffix != ".npz":
-            assert read[name].attrs == record[name].attrs
-            assert read[name].attrs["units"]
-    assert list(read.target.values) == [f"{each.kind}_{k}" for k, each in enumerate(targets.targets)]
-
-
-def test_blocks_tell_what_was_seen_so_far(targets, record):
+    for suffix in (".nc", ".npz", ".zarr"):
+        write_record(tmp_path / f"a{suffix}", simulate_blocks(targets, truth=True, block=7))
+        read = read_record(tmp_path / f"a{suffix}")
+        for name in ("echo_box", "shadow_box", "target_box", "shadow_length", "target_strength"):
+            xr.testing.assert_equal(read[name].reset_coords(drop=True), record[name].reset_coords(drop=True))
+            if suffix != ".npz":
+                assert read[name].attrs == record[name].attrs
+                assert read[name].attrs["units"]
+        assert list(read.target.values) == [f"{each.kind}_{k}" for k, each in enumerate(targets.targets)]
     blocks = list(simulate_blocks(targets, truth=True, block=11))
     strengths = np.array([block.target_strength.values for block in blocks])
     assert (np.fmax.accumulate(strengths) == np.nan_to_num(strengths, nan=-np.inf))[~np.isnan(strengths)].all()
@@ -153,25 +129,18 @@ def test_blocks_tell_what_was_seen_so_far(targets, record):
     assert np.isnan(strengths[0]).any()
 
 
-def test_a_target_out_of_sight_has_no_boxes_and_no_strength():
-    ball = {"kind": "sphere", "radius": 0.5, "position": [20.0, 300.0]}
-    found = simulate(scene_of(ball, **{"track.pings": 2}), truth=True)
+def test_a_target_out_of_sight_has_no_boxes_and_like_one_in_light_no_strength():
+    ball = {"kind": "sphere", "radius": 0.5, "position": [20.0, 20.0]}
+    found = simulate(scene_of(ball | {"position": [20.0, 300.0]}, **{"track.pings": 2}), truth=True)
     assert (found.target_box == -1).all()
     assert (found.shadow_length == 0.0).all()
     assert np.isnan(found.target_strength.item())
-
-
-def test_a_scene_without_targets_tells_of_none():
-    found = simulate(edit(scene_of({"kind": "sphere", "position": [0.0, 9.0]}), {"targets": []}), truth=True)
-    assert "target" not in found.dims
-    assert not found.shadow.any()
-
-
-def test_light_has_no_target_strength():
-    ball = {"kind": "sphere", "radius": 0.5, "position": [20.0, 20.0]}
-    found = simulate(scene_of(ball, **{"sonar.law": "light"}), truth=True)
-    assert np.isnan(found.target_strength.item())
-    assert (found.echo_box.sel(channel="port") >= 0).all()
+    lit = simulate(scene_of(ball, **{"sonar.law": "light"}), truth=True)
+    assert np.isnan(lit.target_strength.item())
+    assert (lit.echo_box.sel(channel="port") >= 0).all()
+    bare = simulate(scene_of(ball, targets=[]), truth=True)
+    assert "target" not in bare.dims
+    assert not bare.shadow.any()
 
 
 DEGREE = math.radians(1.0)
@@ -183,24 +152,22 @@ CORNERS = (-0.4, 17.0, 0.0), (0.5, 18.0, 0.8)
 BLOCK = brute_force.box(np.mean(CORNERS, axis=0), np.eye(3), 0.5 * np.ptp(CORNERS, axis=0))
 
 
+ARRAY = brute_force.line_array(LENGTH, SPEED / FREQUENCY)
+BEAMS = {  # by kind: further fields, response and azimuths
+    "knife": ({}, brute_force.knife, [0.0]),
+    "fan": ({"width": 1.0}, brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 151)),
+    "gaussian": ({"width": 1.0}, brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 201)),
+    "array": ({"length": LENGTH}, ARRAY, np.linspace(-0.13, 0.13, 401)),
+}
+
+
 def beam_options(beam):
     """How a beam is packed, as `arrays_of` takes it."""
-    if beam == "knife":
-        return {}
-    if beam == "fan":
-        return {"half_width": 0.5 * DEGREE}
-    kinds = {"gaussian": {"kind": "gaussian", "width": 1.0}, "array": {"kind": "array", "length": LENGTH}}
-    scene = edit(load_scene("pipe-span"), {"sonar.beam": kinds[beam], "sonar.frequency": FREQUENCY})
-    half_width, pattern = make_pattern(scene, SPEED)
-    return {"half_width": half_width, "pattern": pattern}
+    declared = {"kind": beam, **BEAMS[beam][0]}
+    scene = edit(load_scene("pipe-span"), {"sonar.beam": declared, "sonar.frequency": FREQUENCY})
+    return dict(zip(("half_width", "pattern"), make_pattern(scene, SPEED)))
 
 
-RESPONSES = {
-    "knife": (brute_force.knife, [0.0]),
-    "fan": (brute_force.fan(DEGREE), np.linspace(-0.0106, 0.0106, 151)),
-    "gaussian": (brute_force.gaussian(DEGREE), np.linspace(-0.034, 0.034, 201)),
-    "array": (brute_force.line_array(LENGTH, SPEED / FREQUENCY), np.linspace(-0.13, 0.13, 401)),
-}
 BODIES = {
     "sphere": ({"solids": [BALL]}, [brute_force.sphere(*BALL)]),
     "pipe": ({"solids": [PIPE]}, [brute_force.frustum(*PIPE, PIPE[2])]),
@@ -210,11 +177,10 @@ BODIES = {
 
 
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("beam", RESPONSES)
+@pytest.mark.parametrize("beam", BEAMS)
 @pytest.mark.parametrize("along", [0.0, 0.35])
 def test_shares_are_those_of_rays_cast_with_and_without_the_target(beam, body, along):
-    declared, meets = BODIES[body]
-    respond, azimuths = RESPONSES[beam]
+    (declared, meets), (_, respond, azimuths) = BODIES[body], BEAMS[beam]
     arrays = arrays_of(FLAT, 0.1, periodic=True, bins=BINS, bin_length=STEP, **declared, **beam_options(beam))
     found = trace_labels(arrays, poses_of(along, 0.0, ALTITUDE), planes=128)
     share, whose = brute_force.shadow_shares(
@@ -258,7 +224,7 @@ POSES = poses_of([0.0, 0.4, 1.0], [0.0, 0.1, 0.0], [9.0, 9.2, 9.1], [0.0, 0.02, 
 
 
 @pytest.mark.parametrize("law", [SONAR, LIGHT])
-@pytest.mark.parametrize("beam", RESPONSES)
+@pytest.mark.parametrize("beam", BEAMS)
 def test_shares_are_what_mute_targets_take_from_the_record(beam, law):
     """A rough bed, some of which hides itself: what the bed hides anyway is no shadow of a target."""
     arrays = arrays_of(**ROUGH, solids=SOLIDS, mesh=box_mesh(*CORNERS, target=3), law=law, **beam_options(beam))
@@ -271,7 +237,7 @@ def test_shares_are_what_mute_targets_take_from_the_record(beam, law):
     assert found.shadow.max() == 1.0
 
 
-@pytest.mark.parametrize("beam", RESPONSES)
+@pytest.mark.parametrize("beam", BEAMS)
 def test_shares_are_those_of_records_by_rays(beam):
     arrays = arrays_of(**ROUGH, solids=SOLIDS, mesh=box_mesh(*CORNERS, target=3), **beam_options(beam))
     found = trace_labels(arrays, POSES, planes=128).shadow

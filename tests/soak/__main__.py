@@ -14,7 +14,7 @@ from insonify.compiler.processes import compiled_elsewhere
 from insonify.scene import load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection, make_application
 from insonify_viewer.viewer import Viewer
-from soak.actions import ACTIONS, Steps, draw_action
+from soak.actions import Steps, draw_actions
 from soak.dialogs import Answers
 from soak.watch import Faults, Gaps, holdings, left_threads, resident, say
 
@@ -30,8 +30,7 @@ class Person:
     def __init__(self, viewer: Viewer, seconds: float, seed: int, faults: Faults, gaps: Gaps) -> None:
         self._viewer, self._seconds, self._faults, self._gaps = viewer, seconds, faults, gaps
         self._random = np.random.default_rng(seed)
-        # Each kind once before they are drawn by weight: a short run too uses every part of the window.
-        self._first = [ACTIONS[k] for k in self._random.permutation(len(ACTIONS))]
+        self._drawn = draw_actions(self._random)
         self._steps: Steps = iter(())
         self._begun = 0.0
         self._held: list[float] = []  # MB, after each minute
@@ -81,10 +80,10 @@ class Person:
         try:
             return next(self._steps)
         except StopIteration:
-            action = self._first.pop() if self._first else draw_action(self._random)
+            do = next(self._drawn)
             self.actions += 1
-            self._faults.doing = f"{action.do.__name__} in {self._viewer.session.scene.title!r}, action {self.actions}"
-            self._steps = action.do(self._viewer, self._random)
+            self._faults.doing = f"{do.__name__} in {self._viewer.session.scene.title!r}, action {self.actions}"
+            self._steps = do(self._viewer, self._random)
         except Exception:
             self._steps = iter(())
             sys.excepthook(*sys.exc_info())

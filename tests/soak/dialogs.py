@@ -31,7 +31,10 @@ class Answers:
     def __init__(self, random: np.random.Generator, folder: Path) -> None:
         self._random, self._folder, self._files = random, folder, 0
         names = sorted({OTHER, *(name for names in KINDS.values() for name in names)})
-        self._whole = _whole_files(names, folder / "whole")
+        # Another process writes undamaged samples, whose libraries the window need not hold.
+        whole = folder / "whole"
+        subprocess.run([sys.executable, "-m", "fuzz.samples", str(whole), *names], check=True, cwd=TESTS)
+        self._whole = {name: (whole / name / SAMPLES[name].file).read_bytes() for name in names}
         QFileDialog.getOpenFileName = self._open  # type: ignore[method-assign,assignment]
         QFileDialog.getSaveFileName = self._save  # type: ignore[method-assign,assignment]
         Gallery.exec = lambda gallery: self._pick(gallery)  # type: ignore[method-assign,assignment]
@@ -68,9 +71,3 @@ class Answers:
         self._files += 1
         name = self._random.choice(["a.toml", "a.png", "a.nc", "a.npz", "a", "nowhere/a.png"])
         return str(self._folder / f"saved-{self._files}-{name}"), ""
-
-
-def _whole_files(names: list[str], folder: Path) -> dict[str, bytes]:
-    """Contents of undamaged samples by name; another process writes them, whose libraries the window need not hold."""
-    subprocess.run([sys.executable, "-m", "fuzz.samples", str(folder), *names], check=True, cwd=TESTS)
-    return {name: (folder / name / SAMPLES[name].file).read_bytes() for name in names}

@@ -1,18 +1,16 @@
 """The window used at random for two minutes: no exception, no message of Qt or OpenGL, no thread left."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-MINUTES = "2"
+from commands import run_python
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", ["1", "2"])
 def test_a_window_used_at_random_keeps_in_order(seed):
-    command = [sys.executable, "-X", "faulthandler", "-m", "soak", MINUTES, seed]
-    done = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, timeout=900)
-    print(done.stdout)  # noqa: T201
-    assert done.returncode == 0, done.stdout + done.stderr
+    words, tests = ("-X", "faulthandler", "-m", "soak", "2", seed), Path(__file__).parents[1]
+    code, printed, complaint = run_python(*words, cwd=tests, timeout=900)
+    print(printed)  # noqa: T201
+    assert code == 0, printed + complaint

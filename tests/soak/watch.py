@@ -88,9 +88,7 @@ class Gaps(QObject):
 
     def __init__(self, tick: int = TICK) -> None:
         super().__init__()
-        # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
-        self.gaps, self.busy = array("d"), array("d")
-        self.causes: Counter[str] = Counter()
+        self.clear()
         self._last, self._ending = _now(), threading.Event()
         self._begun, self._drawn = self._last, np.zeros(3)
         self._seen = ""
@@ -143,8 +141,9 @@ class Gaps(QObject):
 
     def clear(self) -> None:
         """Forget all gaps so far."""
+        # Seconds of each turn by the clock, and of processor time: a million an hour, as objects as large as a leak.
         self.gaps, self.busy = array("d"), array("d")
-        self.causes.clear()
+        self.causes: Counter[str] = Counter()
 
     def _sample(self) -> None:
         """Note where the threads are while a gap lasts: the main thread, and those that may hold the interpreter."""
@@ -154,7 +153,9 @@ class Gaps(QObject):
                 if time.perf_counter() - self._last[0] > 0.6 * LONG:
                     names = {thread.ident: thread.name for thread in threading.enumerate()}
                     found = [(names.get(ident, "?"), place) for ident, place in _places(file) if ident != own]
-                    self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
+                    # Threads that wait for work are left out.
+                    busy = [each for each in found if "wait_for" not in each[1] and not each[1].startswith("thread.py")]
+                    self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(busy))
 
 
 def _now() -> NDArray[np.float64]:
@@ -182,11 +183,6 @@ def _places(file: TextIO) -> Iterator[tuple[int, str]]:
     for told in re.split(r"^(?:Current t|T)hread ", file.read(), flags=re.MULTILINE)[1:]:
         calls = re.findall(r'^  File "(.*)", line (\d+) in (.*)$', told, flags=re.MULTILINE)[:DEPTH]
         yield int(told.split()[0], 16), " < ".join(f"{Path(path).name}:{line} {name}" for path, line, name in calls)
-
-
-def _rests(place: str) -> bool:
-    """Whether a thread waits for work."""
-    return "wait_for" in place or place.startswith("thread.py")
 
 
 def say(line: str) -> None:

@@ -150,22 +150,17 @@ def check_size(scene: Scene, steps: float) -> None:
     other = edit(scene, {"seed": scene.seed ^ 1})
     allowed = ALWAYS + SECONDS_PER_STEP * steps
     for _ in range(3):  # another bed may go through what was not compiled till now, beside what else a machine does
-        worked, peak = work_of(other)
+        tracemalloc.start()
+        began = process_time()
+        try:
+            prepare(other, tolerance=TOLERANCE).intensity(np.arange(scene.track.pings))
+            worked, peak = process_time() - began, tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
         if worked < allowed:
             break
     assert peak < most_bytes(scene)
     assert worked < allowed
-
-
-def work_of(scene: Scene) -> tuple[float, int]:
-    """Seconds of work on a scene, and the most bytes that it holds at once."""
-    tracemalloc.start()
-    began = process_time()
-    try:
-        prepare(scene, tolerance=TOLERANCE).intensity(np.arange(scene.track.pings))
-        return process_time() - began, tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=PATIENT)

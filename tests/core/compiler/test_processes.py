@@ -1,6 +1,6 @@
 """Kernels compiled by another process: the same results, nothing compiled here, and no harm where it is missing."""
 
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
@@ -8,6 +8,7 @@ import pytest
 from numba.core import event, types
 from numba.core.errors import TypingError
 
+from commands import wait_until
 from insonify.compiler import digests, processes
 from insonify.compiler.jit import inlined, kernel, kernel_on_demand
 from insonify.compiler.processes import CompilationStoppedError, _Helper, compiled_elsewhere
@@ -115,7 +116,6 @@ def test_without_a_folder_for_its_code_a_kernel_is_compiled_here(here, tmp_path,
 @pytest.mark.parametrize("code", ["", "def main(): import sys; sys.stdin.buffer.read(1)", "raise RuntimeError"])
 def test_a_process_that_ends_early_is_done_without(code, here, tmp_path, monkeypatch):
     (tmp_path / "ending_worker.py").write_text(code)
-    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(processes, "WORKER", "ending_worker")
     with compiled_elsewhere():
         assert sum_squares(VALUES) == 30.0
@@ -124,35 +124,21 @@ def test_a_process_that_ends_early_is_done_without(code, here, tmp_path, monkeyp
 
 def test_a_thread_that_waits_is_told_when_the_block_ends(here, tmp_path, monkeypatch):
     (tmp_path / "sleeping_worker.py").write_text("def main(): import time; time.sleep(600)")
-    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(processes, "WORKER", "sleeping_worker")
-    ends: list[type[BaseException]] = []
-
-    def call() -> None:
-        try:
-            sum_squares(VALUES)
-        except BaseException as error:
-            ends.append(type(error))
-
-    thread = threading.Thread(target=call)
-    with compiled_elsewhere():
-        thread.start()
-        while (process := processes.elsewhere.process) is None or not process.pending:
-            thread.join(0.01)
-    thread.join(60.0)
-    assert ends == [CompilationStoppedError]
+    with ThreadPoolExecutor() as pool:
+        with compiled_elsewhere():
+            call = pool.submit(sum_squares, VALUES)
+            wait_until(lambda: (process := processes.elsewhere.process) is not None and process.pending)
+        assert type(call.exception(60.0)) is CompilationStoppedError
     assert here() == []
 
 
-@pytest.fixture
-def helper(monkeypatch):
-    monkeypatch.setattr(processes, "default_threads", lambda: 2)
+def test_one_core_is_left_to_one_process_and_a_second_that_compiles_for_nobody_is_stopped(monkeypatch):
     helper = _Helper()
-    yield helper
-    helper.finish()
-
-
-def test_a_process_that_still_compiles_for_nobody_is_stopped(helper):
+    monkeypatch.setattr(processes, "default_threads", lambda: 1)
+    helper.start()
+    assert helper.process is None
+    monkeypatch.setattr(processes, "default_threads", lambda: 2)
     helper.start()
     process = helper.process
     assert process is not None
@@ -163,9 +149,3 @@ def test_a_process_that_still_compiles_for_nobody_is_stopped(helper):
     assert process.ended
     assert not process._reader.is_alive()
     assert not process.wait(b"a kernel that takes long")  # it is compiled here
-
-
-def test_one_core_is_left_to_one_process(helper, monkeypatch):
-    monkeypatch.setattr(processes, "default_threads", lambda: 1)
-    helper.start()
-    assert helper.process is None

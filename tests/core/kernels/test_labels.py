@@ -100,12 +100,8 @@ def test_a_mute_bed_in_sight_is_no_shadow_nor_is_where_there_is_no_bed():
 @pytest.mark.parametrize("law", [SONAR, LIGHT])
 @pytest.mark.parametrize("half_width", [0.0, NARROW])
 def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
-    bodies = [
-        ((-20.0, 14.0, 1.5), (20.0, 17.0, 0.2), 0.4),
-        ((1.0, 11.0, 0.3), 0.8),
-        ((2.0, -9.0, 4.0), 0.6),
-        ((2.4, -9.5, 4.1), 0.6),
-    ]
+    balls = [((1.0, 11.0, 0.3), 0.8), ((2.0, -9.0, 4.0), 0.6), ((2.4, -9.5, 4.1), 0.6)]
+    bodies = [((-20.0, 14.0, 1.5), (20.0, 17.0, 0.2), 0.4), *balls]
     options = {"periodic": True, "solids": bodies, "law": law, "half_width": half_width, "spreading": law == SONAR}
     arrays = arrays_of(rough(128, 128, rms=0.3), 0.2, reflectivity=[(0.6, 0.3, 5.0)], **options)
     rng = np.random.default_rng(3)
@@ -154,20 +150,16 @@ def test_the_strongest_is_who_sends_back_most(law):
     """Records in which all the others are mute tell what each sends back."""
     table = [(0.6, 0.3, 5.0), (0.2, 0.0, 1.0), (0.8, 0.1, 9.0), (0.4, 0.6, 20.0)]
     bodies = [((-9.0, 12.0, 1.5), (9.0, 13.0, 0.2), 0.4), ((1.0, -8.0, 0.3), 0.8)]
-    arrays = arrays_of(
-        rough(96, 96, rms=0.2), 0.25, periodic=True, solids=bodies, law=law, half_width=NARROW, reflectivity=table
-    )
+    options = {"periodic": True, "solids": bodies, "law": law, "half_width": NARROW, "reflectivity": table}
+    arrays = arrays_of(rough(96, 96, rms=0.2), 0.25, **options)
     patches = (np.add.outer(np.arange(96) // 5, np.arange(96) // 7) % 2).astype(np.uint8)
-    arrays = arrays._replace(
-        bed=arrays.bed._replace(materials=patches, mapped=True),
-        solids=arrays.solids._replace(material=np.array([2, 3])),
-    )
+    bed, solids = arrays.bed._replace(materials=patches, mapped=True), arrays.solids._replace(material=np.array([2, 3]))
+    arrays = arrays._replace(bed=bed, solids=solids)
     poses = poses_of(np.linspace(-4.0, 4.0, 12), 0.1, 8.0, 0.1)
     rows = []
-    for row in range(4):
-        alone = np.zeros((4, 3))
-        alone[row] = table[row]
-        rows.append(sweep.trace(arrays._replace(reflectivity=alone), poses, planes=6))
+    for row in np.eye(4):
+        alone = arrays._replace(reflectivity=row[:, None] * table)
+        rows.append(sweep.trace(alone, poses, planes=6))
     heard, truth = both(arrays, poses, planes=6)
     ranked = np.sort(rows, axis=0)
     # Under the sonar the sweep spreads a piece over its bins a little more evenly than it is.

@@ -126,7 +126,7 @@ def test_turned_by_a_quarter_or_far_from_the_origin_the_slice_is_the_same():
         np.testing.assert_allclose(a, b, atol=1e-4)
 
 
-def test_outside_a_bed_without_period_there_is_none_and_missing_heights_stay_missing():
+def test_outside_a_bed_without_period_or_off_its_only_row_there_is_none_and_missing_heights_stay_missing():
     bed = bed_of(np.zeros((11, 11)), 1.0)
     assert slice_of(bed, 20.0, 5.0, 5.0, 0.0)[1].size == 0
     assert slice_of(bed, 20.0, 25.0, 5.0, math.pi)[1].size == 0
@@ -138,9 +138,6 @@ def test_outside_a_bed_without_period_there_is_none_and_missing_heights_stay_mis
     heights[10, 10] = np.nan
     _, r, z, *_ = slice_of(bed_of(heights, 1.0), 2.0, 10.3, 5.0, 0.0)
     np.testing.assert_allclose(r[np.isnan(z)], [8.0], atol=1e-6)
-
-
-def test_a_bed_of_one_row_or_column_has_no_inside_off_its_line():
     row = bed_of(np.arange(12.0)[None, :], 1.0)
     _, r, z, slope, *_ = slice_of(row, 2.0, 0.0, 0.0, 0.0)
     np.testing.assert_allclose(r, np.arange(10.0), atol=1e-6)

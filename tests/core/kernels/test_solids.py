@@ -54,7 +54,7 @@ def aimed(rng, centre, size, count, distance):
     return centre + origins, goals - centre - origins
 
 
-def test_a_cone_where_arithmetic_is_easy_along_its_side_too():
+def test_a_cone_where_arithmetic_is_easy_along_its_side_and_far_away_in_a_map_grid():
     slope = np.array([2.0, 0.0, 1.0]) / math.sqrt(5.0)  # a side that falls 4 m over 2 m
     origins = [(9, 0, 2), (0, 0, 9), (0, 0, -3), (9, 0, 5), (-9, 0, 0.5), (0.5, 0, 9)]
     directions = [(-1, 0, 0), (0, 0, -1), (0, 0, 1), (-1, 0, 0), (1, 0, 0), (0, 0, -1)]
@@ -77,6 +77,12 @@ def test_a_cone_where_arithmetic_is_easy_along_its_side_too():
     # 0.5 + 0.1 t = (4 − 9 + t) ... at the side the radius is (4 − z) / 2.
     t = (0.5 + 0.5 * 5.0) / 0.4
     assert distance[3] == pytest.approx(t * math.sqrt(1.01), abs=1e-12)
+    body = ((500_000.0, 5_800_000.0, 3.0), (500_004.0, 5_800_000.0, 3.0), 0.5, 1.5)
+    origin = np.array([500_002.0, 5_800_000.0 - 10_000.0, 3.0])
+    distance, normal = meet(body, origin, (0, 1, 0))
+    # The section at x = 2 is a hyperbola's vertex: |y| = 1 at the axis' height.
+    assert distance[0] == pytest.approx(10_000.0 - 1.0, abs=1e-8)
+    np.testing.assert_allclose(normal[0], np.array([-0.25, -1.0, 0.0]) / math.sqrt(1.0625), atol=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -118,15 +124,6 @@ def test_no_ray_slips_in_at_a_rim():
     way = (inner - rim) / np.linalg.norm(inner - rim, axis=1, keepdims=True)
     distance, _ = meet(body, rim - 7.0 * way, way)
     np.testing.assert_allclose(distance, 7.0, atol=1e-6)
-
-
-def test_far_away_and_in_a_map_grid():
-    body = ((500_000.0, 5_800_000.0, 3.0), (500_004.0, 5_800_000.0, 3.0), 0.5, 1.5)
-    origin = np.array([500_002.0, 5_800_000.0 - 10_000.0, 3.0])
-    distance, normal = meet(body, origin, (0, 1, 0))
-    # The section at x = 2 is a hyperbola's vertex: |y| = 1 at the axis' height.
-    assert distance[0] == pytest.approx(10_000.0 - 1.0, abs=1e-8)
-    np.testing.assert_allclose(normal[0], np.array([-0.25, -1.0, 0.0]) / math.sqrt(1.0625), atol=1e-8)
 
 
 def test_a_cylinder_is_a_frustum_without_taper():

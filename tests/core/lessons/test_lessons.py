@@ -1,6 +1,7 @@
 """Lessons: reading, the check of each, the command, conditions, of which nothing runs as code, and questions."""
 
 import math
+import re
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -74,15 +75,9 @@ FAULTS = {
     "order: is missing": ("order = 5\n", ""),
     "colour: unknown key": ("order = 5", 'order = 5\ncolour = "red"'),
     "order: 'five' is not a whole number": ("order = 5", 'order = "five"'),
-    "course: 'second-look' does not exist; choose one of first-look": (
-        "order = 5",
-        'order = 5\ncourse = "second-look"',
-    ),
+    "course: 'second-look' does not exist; choose one of first-look": ("order", 'course = "second-look"\norder'),
     "topic: 'fog' is not of the course": ('done = "sonar.beam.width', 'topic = "fog"\ndone = "sonar.beam.width'),
-    "display side='front' is not a valid value; write for example both": (
-        "order = 5",
-        'order = 5\ndisplay = { side = "front" }',
-    ),
+    "display side='front' is not a valid value; write for example both": ("set", 'display = { side = "front" }\nset'),
     "has no step": ("## Widen the beam", "Widen the beam"),
     "has 0 blocks of TOML": ("```toml", "```text"),
     "done: is missing": ('done = "sonar.beam.width >= 5"\n', ""),
@@ -344,21 +339,23 @@ def block(altitude: float) -> LessonState:
 
 
 @pytest.mark.parametrize(
-    ("answer", "grade", "told"),
+    ("asked", "answer", "grade", "words"),
     [
-        (14.1, Grade.RIGHT, "Right: 14.1 m."),
-        (14.8, Grade.RIGHT, "14.1 m"),
-        (15.5, Grade.CLOSE, "Close: it is 14.1 m. Yours is 9.6 % too large."),
-        (13.0, Grade.CLOSE, "too small"),
-        (11.2, Grade.WRONG, "A − h counts."),
-        (3.0, Grade.WRONG, "Not quite: it is 14.1 m."),
-        (None, Grade.UNKNOWN, "It is 14.1 m."),
+        (NUMBER, 14.1, Grade.RIGHT, "Right: 14.1 m."),
+        (NUMBER, 14.8, Grade.RIGHT, "Right: 14.1 m."),
+        (NUMBER, 15.5, Grade.CLOSE, "Close: it is 14.1 m. Yours is 9.6 % too large."),
+        (NUMBER, 13.0, Grade.CLOSE, "Close: it is 14.1 m. Yours is 8.1 % too small."),
+        (NUMBER, 11.2, Grade.WRONG, "Not quite: it is 14.1 m. A − h counts."),
+        (NUMBER, 3.0, Grade.WRONG, "Not quite: it is 14.1 m."),
+        (NUMBER, None, Grade.UNKNOWN, "It is 14.1 m."),
+        ({"choices": CHOICES}, 0, Grade.RIGHT, "Right: Longer."),
+        ({"choices": CHOICES}, 1, Grade.WRONG, "Not quite: it is Longer. Sound comes in flatter."),
+        ({"choices": CHOICES}, None, Grade.UNKNOWN, "It is Longer."),
     ],
 )
-def test_a_number_is_right_close_or_a_known_mistake(answer, grade, told):
-    verdict = judge(Ask.model_validate(NUMBER), answer, block(5.0).reader(block(10.0)))
-    assert verdict.grade is grade
-    assert told in verdict.words
+def test_an_answer_is_right_close_or_a_known_mistake(asked, answer, grade, words):
+    verdict = judge(Ask.model_validate(asked), answer, block(5.0).reader(block(10.0)))
+    assert (verdict.grade, verdict.words) == (grade, words)
 
 
 def test_a_number_follows_the_scene_of_the_student():
@@ -367,14 +364,6 @@ def test_a_number_follows_the_scene_of_the_student():
         length = math.hypot(21.0, altitude - 2.0) * 2.0 / (altitude - 2.0)
         assert judge(ask, length, block(altitude).reader(block(10.0))).grade is Grade.RIGHT
     assert judge(ask, 1.0, LessonState(load_scene("pipe-on-bed")).reader()) is None, "a pipe has no size"
-
-
-@pytest.mark.parametrize(
-    ("answer", "words"),
-    [(0, "Right: Longer."), (1, "Not quite: it is Longer. Sound comes in flatter."), (None, "It is Longer.")],
-)
-def test_a_wrong_choice_tells_its_misconception(answer, words):
-    assert judge(Ask.model_validate({"choices": CHOICES}), answer, block(5.0).reader()).words == words
 
 
 @pytest.mark.parametrize(
@@ -401,17 +390,13 @@ def test_a_number_is_read_with_point_comma_and_unit(text, number):
     ],
 )
 def test_a_fault_of_a_question_names_the_remedy(given, told):
-    with pytest.raises(ValueError, match=r".") as caught:
+    with pytest.raises(ValueError, match=re.escape(told)):
         Ask.model_validate(given)
-    assert told in str(caught.value)
 
 
-def test_quantities_agree_with_what_is_written_of_them():
-    scene = edit(
-        load_scene("default"),
-        {"sonar.beam": {"kind": "array", "length": 0.2}, "water.sound_speed": 1500.0, "sonar.frequency": 100e3},
-    )
-    wavelength = 0.015
+def test_quantities_agree_with_what_is_written_of_them_and_with_a_record():
+    beam = {"sonar.beam": {"kind": "array", "length": 0.2}, "sonar.frequency": 100e3}
+    scene, wavelength = edit(load_scene("default"), {"water.sound_speed": 1500.0} | beam), 0.015
     expected = {
         ("altitude",): 10.0,
         ("sound_speed",): 1500.0,
@@ -439,9 +424,6 @@ def test_quantities_agree_with_what_is_written_of_them():
     }
     found = {(name, *arguments): QUANTITIES[name].compute(scene, *arguments) for name, *arguments in expected}
     assert found == pytest.approx(expected)
-
-
-def test_quantities_are_measured_in_a_record():
     scene = edit(load_scene("default"), {"sonar.bins": 50, "sonar.range": 50.0})
     intensity = np.full((2, 4, 50), 1e-6)
     intensity[..., :10] = intensity[..., 45:] = 0.0

@@ -66,22 +66,23 @@ ground_range = { draw = "choice", of = [true, false] }
 specification = partial(data_set, CHIPS)
 
 
-def test_draws_within_a_choice_and_within_its_tables_are_drawn():
+def test_draws_reach_into_choices_and_tables_and_those_of_a_chip_depend_on_its_name_alone():
     drawn = [draw_scene(specification(), BASE, number).scene for number in range(24)]
     reliefs = [scene.seabed.relief for scene in drawn]
     assert len({relief.of[0].wavelength for relief in reliefs if relief.kind == "sum"}) > 5
     assert len({relief.rms for relief in reliefs if relief.kind == "fractal"}) > 5
     assert {target.form for scene in drawn for target in scene.targets} == {"tug", "barge"}
+    one, other, chip = Draws(1, 2), Draws(1, 2), (Chips, "chips.0", specification().chips)
+    other.value("else", 1.0)
+    assert one.table(*chip) == other.table(*chip)
 
 
 def test_a_scene_is_sampled_as_declared():
     for number in range(12):
         drawn = draw_scene(specification(negatives=0.0), BASE, number)
         scene, bin_length = drawn.scene, drawn.scene.sonar.range / 192
-        assert 2.0 * scene.targets[0].outline.half[0] / bin_length == pytest.approx(
-            drawn.draws.drawn["sampling.length"], 1e-6
-        )
-        step = scene.track.speed / scene.sonar.ping_rate
+        step, length = scene.track.speed / scene.sonar.ping_rate, 2.0 * scene.targets[0].outline.half[0]
+        assert length / bin_length == pytest.approx(drawn.draws.drawn["sampling.length"], 1e-6)
         assert step / bin_length == pytest.approx(drawn.draws.drawn["sampling.step"])
         assert scene.altitude == pytest.approx(0.2 * scene.sonar.range)
         assert 750.0 * scene.sonar.pulse.duration == pytest.approx(1.5 * bin_length)
@@ -149,15 +150,7 @@ def test_ground_range_is_even_and_slant_range_may_begin_at_the_bed():
     assert np.ptp(ranges) == pytest.approx(view.length)
 
 
-def test_means_between_edges_keep_the_sum_and_interpolate_lines():
-    values = np.random.default_rng(1).random((40, 3))
-    assert _means(values, np.linspace(0.0, 40.0, 11), 0).sum() * 4.0 == pytest.approx(values.sum())
-    line = np.arange(20.0)[:, None] + 0.5
-    fine = _means(line, np.linspace(4.0, 12.0, 65), 0)[:, 0]
-    assert fine == pytest.approx(np.linspace(4.0, 12.0, 65)[:-1] + 0.0625)
-
-
-def test_coarser_pictures_are_smoother():
+def test_coarser_pictures_are_smoother_and_means_between_edges_keep_the_sum_and_interpolate_lines():
     noise = np.random.default_rng(2).rayleigh(1.0, (64, 64))
     edges = (np.linspace(0.0, 64.0, 65),) * 2
     fine, along = (_displayed(noise, edges, Picture(along=a)) for a in (1.0, 4.0))
@@ -165,6 +158,11 @@ def test_coarser_pictures_are_smoother():
     assert along.std() < 0.6 * fine.std()
     steps = [np.abs(np.diff(along, axis=axis)).mean() for axis in (0, 1)]
     assert steps[0] < 0.4 * steps[1]
+    values = np.random.default_rng(1).random((40, 3))
+    assert _means(values, np.linspace(0.0, 40.0, 11), 0).sum() * 4.0 == pytest.approx(values.sum())
+    line = np.arange(20.0)[:, None] + 0.5
+    fine = _means(line, np.linspace(4.0, 12.0, 65), 0)[:, 0]
+    assert fine == pytest.approx(np.linspace(4.0, 12.0, 65)[:-1] + 0.0625)
 
 
 @pytest.mark.parametrize("scale", ["linear", "root", "log"])
@@ -273,10 +271,3 @@ def test_loaders_of_the_documentation_load_a_set(tmp_path, library):
     if library == "keras":
         exec(blocks["Keras"], loaders)
         assert loaders["Batches"](tmp_path, "train", ["ship"])[0][0].shape == (2, 64, 64, 1)
-
-
-def test_the_draws_of_a_chip_depend_on_its_name_alone():
-    one, other = Draws(1, 2), Draws(1, 2)
-    table = specification().chips
-    other.value("else", 1.0)
-    assert one.table(Chips, "chips.0", table) == other.table(Chips, "chips.0", table)

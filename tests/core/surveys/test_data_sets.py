@@ -1,6 +1,5 @@
 """Data sets: distributions and draws from them, what tiles show, and that annotations are those of the labels."""
 
-import hashlib
 import io
 import itertools
 import json
@@ -28,7 +27,7 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
-from own_things import forgetting
+from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
 BASE = load_scene("default")
@@ -84,14 +83,11 @@ def test_targets_lie_clear_of_one_another_within_range():
         assert all(scene.altitude < abs(y) < 24.0 for _, y in places)
 
 
-def test_negatives_and_counts_are_as_asked():
+def test_negatives_counts_and_splits_have_their_shares():
     one = data_set(negatives=0.3)
     counts = [list(draw_scene(one, BASE, number).classes.values()) for number in range(300)]
     assert 60 <= counts.count([]) <= 120
     assert {len(names) for names in counts if names} == {2, 3}
-
-
-def test_splits_have_their_shares_whatever_the_number_of_scenes():
     shares = {"train": 0.7, "validation": 0.2, "test": 0.1}
     for scenes in (20, 100, 1000):
         found = [split_of(shares, number) for number in range(scenes)]
@@ -132,10 +128,8 @@ def test_every_image_has_its_mask_and_labels_and_one_split_that_of_its_scene(sma
         assert line["hash"]
         assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
     assert all(len(splits) == 1 for splits in of_scene.values())
-    train, test = (
-        {image["file_name"] for image in json.loads((small / split / "coco-both.json").read_text())["images"]}
-        for split in ("train", "test")
-    )
+    both = (json.loads((small / split / "coco-both.json").read_text())["images"] for split in ("train", "test"))
+    train, test = ({image["file_name"] for image in images} for images in both)
     assert train.isdisjoint(test)
 
 
@@ -191,9 +185,8 @@ def test_pictures_a_datasheet_and_checksums_show_what_the_set_holds(small):
     counts = len(train), sum(not line["targets"] for line in train), *(found[name] for name in data_set().classes)
     assert f"| train | {' | '.join(map(str, counts))} |" in sheet
     sums = dict(reversed(line.split("  ")) for line in (small / "SHA256SUMS").read_text().splitlines())
-    assert sums == {
-        line["file_name"]: hashlib.sha256((small / line["file_name"]).read_bytes()).hexdigest() for line in lines
-    }
+    files = contents(small)
+    assert sums == {line["file_name"]: files[line["file_name"]] for line in lines}
 
 
 def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_path, capsys):
@@ -222,12 +215,10 @@ def test_shards_hold_what_the_folders_hold(small, tmp_path, kind):
     for tile in told:
         image = one.storage.read_image(work.folder, tile["file"])
         np.testing.assert_array_equal(image, pixels(small / plain[tile["name"]]))
-
-
-def test_an_archive_is_as_webdataset_reads_it(tmp_path):
-    one = data_set(storage={"kind": "webdataset", "scenes": 2})
-    (path,) = first_job(one, tmp_path).rglob("*.tar")
-    with tarfile.open(path) as archive:
+    if kind == "zarr":
+        return
+    # As webdataset reads archives.
+    with tarfile.open(next(work.folder.rglob("*.tar"))) as archive:
         members = [entry.name for entry in archive]
         told = json.load(archive.extractfile(next(name for name in members if name.endswith(".json"))))
         picture = Image.open(io.BytesIO(archive.extractfile(f"{told['name']}.png").read()))
@@ -315,6 +306,7 @@ def test_a_bundled_specification_makes_its_first_scenes(name):
 
 
 SHARES = (np.arange(10_000) + 0.5) / 10_000
+NORMAL = {"draw": "normal", "mean": 1.0, "deviation": 2.0}
 
 
 def distribution(**fields):
@@ -331,11 +323,8 @@ def quantiles(**fields):
     [
         ({"draw": "uniform", "low": 2.0, "high": 5.0}, stats.uniform(2.0, 3.0)),
         ({"draw": "log_uniform", "low": 0.1, "high": 10.0}, stats.loguniform(0.1, 10.0)),
-        ({"draw": "normal", "mean": 1.0, "deviation": 2.0}, stats.norm(1.0, 2.0)),
-        (
-            {"draw": "normal", "mean": 1.0, "deviation": 2.0, "low": 0.0, "high": 2.0},
-            stats.truncnorm(-0.5, 0.5, loc=1.0, scale=2.0),
-        ),
+        (NORMAL, stats.norm(1.0, 2.0)),
+        (NORMAL | {"low": 0.0, "high": 2.0}, stats.truncnorm(-0.5, 0.5, loc=1.0, scale=2.0)),
     ],
 )
 def test_quantiles_are_those_of_scipy(fields, known):

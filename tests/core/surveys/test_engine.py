@@ -122,14 +122,11 @@ def test_what_ended_workers_left_is_removed_when_work_goes_on(tmp_path):
     assert len(list(left.parent.iterdir())) == 1
 
 
-def test_schedulers_are_found_by_their_prefix():
+def test_schedulers_are_found_by_their_prefix_and_workers_times_threads_are_the_cores(monkeypatch):
     assert set(find_schedulers()) == {"local", "tcp", "tls"}
     assert choose_scheduler("tcp://host:8786")[1] == "//host:8786"
     with pytest.raises(SceneError, match="'slurm' is not a kind of scheduler; write tcp://HOST:PORT or"):
         choose_scheduler("slurm:4")
-
-
-def test_workers_times_threads_are_the_cores(monkeypatch):
     monkeypatch.setattr("insonify.surveys.schedulers.most_threads", lambda: 8)
     assert [share_cores(text) for text in ("", "2", "8", "3")] == [(8, 1), (2, 4), (8, 1), (3, 2)]
     for text in ("0", "x", "9"):
@@ -212,13 +209,8 @@ def test_no_listener_is_open_to_other_machines_and_pages_are_empty(tmp_path):
     psutil = pytest.importorskip("psutil")
     with connected("local:1") as client:
         own = psutil.Process()
-        listening = [
-            at.laddr
-            for process in (own, *own.children(recursive=True))
-            for at in process.net_connections("inet")
-            if at.status == psutil.CONN_LISTEN
-        ]
-        assert {address.ip for address in listening} <= {"127.0.0.1", "::1"}
+        used = [at for process in (own, *own.children(recursive=True)) for at in process.net_connections("inet")]
+        assert {at.laddr.ip for at in used if at.status == psutil.CONN_LISTEN} <= {"127.0.0.1", "::1"}
         pages = [client.scheduler_info()["services"]["dashboard"]]
         pages += [worker["services"]["dashboard"] for worker in client.scheduler_info()["workers"].values()]
         for port in pages:

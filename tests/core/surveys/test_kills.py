@@ -35,9 +35,8 @@ def driver(folder, workers=1, **options):
     command = [sys.executable, "-m", "insonify", *words(folder, workers)]
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell lets its background commands ignore it
         options.setdefault("preexec_fn", lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    return subprocess.Popen(
-        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True, **options
-    )
+    pipes = dict.fromkeys(("stdout", "stderr"), subprocess.PIPE)
+    return subprocess.Popen(command, text=True, start_new_session=True, **pipes, **options)
 
 
 def wait_for_jobs(folder, count, process):
@@ -94,10 +93,8 @@ def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
     wait_for_jobs(tmp_path, jobs, process)
     tasks = Path(f"/proc/{process.pid}/task")
     children = [child for task in tasks.iterdir() for child in (task / "children").read_text().split()]
-    worker = next(
-        (int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()), None
-    )
-    if worker is not None:
+    workers = [int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()]
+    for worker in workers[:1]:
         os.kill(worker, signal.SIGKILL)
     assert process.wait(timeout=120) == 0, process.communicate()
     process.communicate()

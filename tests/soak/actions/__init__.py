@@ -6,7 +6,6 @@ An action is a function of the window's `Viewer` and of random numbers. It yield
 import pkgutil
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,30 +16,25 @@ Steps = Iterator[float]
 Do = Callable[[Viewer, Random], Steps]
 
 
-class Action(NamedTuple):
-    """An action, and how often it is taken beside the others."""
-
-    do: Do
-    weight: float
-
-
-ACTIONS: list[Action] = []
+ACTIONS: dict[Do, float] = {}  # and their weights
 
 
 def action(weight: float) -> Callable[[Do], Do]:
     """Decorate a function as an action; its weight tells how often it is taken beside the others."""
 
     def register(do: Do) -> Do:
-        ACTIONS.append(Action(do, weight))
+        ACTIONS[do] = weight
         return do
 
     return register
 
 
-def draw_action(random: Random) -> Action:
-    """Draw an action by the weights."""
-    weights = np.array([action.weight for action in ACTIONS])
-    return ACTIONS[random.choice(len(ACTIONS), p=weights / weights.sum())]
+def draw_actions(random: Random) -> Iterator[Do]:
+    """Draw actions by their weights, after each once: a short run too uses every part of the window."""
+    actions, weights = list(ACTIONS), np.array(list(ACTIONS.values()))
+    yield from (actions[k] for k in random.permutation(len(actions)))
+    while True:
+        yield actions[random.choice(len(actions), p=weights / weights.sum())]
 
 
 for _module in sorted(module.name for module in pkgutil.iter_modules(__path__)):

@@ -10,8 +10,6 @@ from insonify_viewer.viewer import Viewer
 from soak.actions import Random, Steps, action
 from soak.input import pick
 
-LEFT_OUT = ("Quit",)
-
 
 @action(4.0)
 def give_command(viewer: Viewer, random: Random) -> Steps:
@@ -21,7 +19,7 @@ def give_command(viewer: Viewer, random: Random) -> Steps:
         for menu in viewer.window.menus.all
         for part in (menu, *menu.findChildren(QMenu))
         for command in part.actions()
-        if command.isEnabled() and not command.isSeparator() and not command.menu() and command.text() not in LEFT_OUT
+        if command.isEnabled() and not command.isSeparator() and not command.menu() and command.text() != "Quit"
     ]
     command = pick(commands, random)
     command.trigger()
@@ -30,9 +28,6 @@ def give_command(viewer: Viewer, random: Random) -> Steps:
         command.trigger()
     for dialog in (widget for widget in QApplication.topLevelWidgets() if isinstance(widget, QDialog)):
         dialog.close()
-
-
-SCENES = 4  # of a data set
 
 
 @action(0.5)
@@ -49,7 +44,7 @@ def work_beside(viewer: Viewer, random: Random) -> Steps:
             panel.measure_chart("accuracy", folder / "chart.png")
         case 2:
             made = folder / "set"
-            viewer.jobs.begin("data set", ["dataset", "mines", "-o", str(made), "--scenes", str(SCENES)], made)
+            viewer.jobs.begin("data set", ["dataset", "mines", "-o", str(made), "--scenes", "4"], made)
         case 3:
             panel.write_stability_page(folder / "stability.html")
     yield float(random.choice([20.0, 3000.0, 15_000.0]))

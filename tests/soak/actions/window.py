@@ -44,6 +44,10 @@ give(
     [200.0],
 )  # fmt: skip
 give(2.0, "add_target", lambda window, random: window.target_wanted.emit(pick(list(target_menu()), random)), [300.0])
+give(
+    1.0, "look_back", lambda window, random: wheel(window.waterfall, int(random.choice([-120, 120, 30]))), [20.0],
+    most=7,
+)  # fmt: skip
 give(1.0, "change_speed", lambda window, random: choose_entry(window.speed, random), [200.0])
 give(1.0, "change_palette", lambda window, random: choose_entry(window.palettes, random), [30.0])
 give(0.5, "resize", lambda window, random: window.resize(*random.integers((760, 420), (1500, 950)).tolist()), [200.0])
@@ -159,13 +163,6 @@ def pick_place(viewer: Viewer, random: Random) -> Steps:
     if view is not None:
         view.look_at(*(random.random(2) * [view.width(), view.height()]))
         yield float(random.choice([20.0, 400.0]))
-
-
-@action(1.0)
-def look_back(viewer: Viewer, random: Random) -> Steps:
-    for _ in range(random.integers(1, 8)):
-        wheel(viewer.window.waterfall, int(random.choice([-120, 120, 30])))
-        yield 20.0
 
 
 @action(3.0)
