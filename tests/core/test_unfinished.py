@@ -63,10 +63,10 @@ def test_a_request_to_end_leaves_the_old_file_and_nothing_else(tmp_path, name):
     default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
     code = end(writer(path, preexec_fn=lambda: signal.signal(number, default)), number)
     assert code == (-signal.SIGINT if name == "SIGINT" else 128 + getattr(signal, name))
-    before = signal.getsignal(number)
+    usual = signal.signal(number, default)
     with pytest.raises((SystemExit, KeyboardInterrupt)), replacing(path):
         signal.raise_signal(number)
-    assert signal.getsignal(number) is before
+    assert signal.signal(number, usual) is default
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
