@@ -38,7 +38,6 @@ def test_values_choose_materials_where_they_lie_or_nearest_by_levels_or_by_equal
     assert at(ground, [1.0, 3.0, 5.0], [1.0] * 3) == ["rock", "silt", "medium_sand"]
     moved = build_ground(scene(path, world={**world, "origin": [EAST - 2.0, NORTH - 4.0]}, levels=[-35.0, -25.0]))
     assert at(moved, [3.0, 5.0, 7.0], [3.0] * 3) == ["silt", "medium_sand", "rock"]
-
     path = write_tiff(tmp_path / "b.tif", np.random.default_rng(1).normal(-30.0, 5.0, (60, 60)), **PLACE)
     ground = build_ground(scene(path, world=HERE))
     shares = np.bincount(ground.materials.ravel()) / ground.materials.size
