@@ -136,14 +136,14 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
     everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
     fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
-    return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabulated else fan)))
+    return AzimuthFan(*(np.array([value]) for value in (*(everything if pattern.tabulated else fan), False)))
 
 
 @lru_cache(maxsize=64)
 def beam_planes(half_width: float, planes: int, divided: bool = False) -> AzimuthFan:
     """Place the planes of a beam; planes to be divided follow its cone azimuth by azimuth at every range."""
     if half_width <= 0.0:
-        return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
+        return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf, False)))
     s_beam = math.sin(half_width)
     rough = min(FEW / planes, 1.0)
     level = 1.0 - FORESHORTENED * rough * min(STRETCHED / planes, 1.0)
@@ -170,13 +170,14 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
         np.where(is_inner, 2.0 * half_width / planes, 0.0),
         np.full(low.size, near_field),
         np.where(is_inner, math.inf, outer_reach),
+        np.zeros(low.size, np.bool_),
     )
-    both = AzimuthFan(*(np.concatenate([column, column]) for column in columns))
-    both.azimuth[low.size :] *= -1.0
+    both = AzimuthFan(*(np.concatenate([column[::-1], column]) for column in columns))
+    both.azimuth[: low.size] *= -1.0
     if planes % 2 == 0:
         return both
-    both.azimuth[0], both.angle[0] = 0.0, 2.0 * both.angle[0]
-    return AzimuthFan(*(np.delete(column, low.size) for column in both))
+    both.azimuth[low.size], both.angle[low.size] = 0.0, 2.0 * both.angle[low.size]
+    return AzimuthFan(*(np.delete(column, low.size - 1) for column in both))
 
 
 def pattern_planes(
@@ -232,6 +233,7 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
         far_angle=np.zeros(low.size),
         near_field=np.full(low.size, math.inf),
         reach=reaches / (height * ROUNDED_DOWN),
+        apart=np.zeros(low.size, np.bool_),
     )
 
 

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from insonify.arrays import Singles
+from insonify.arrays import Floats, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.plane_errors import REGIONS, empty_plane_sums
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
@@ -103,8 +104,9 @@ def trace(
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
+    errors: Floats | None = None,
 ) -> Singles:
-    """Trace pings by the sweep."""
+    """Trace pings by the sweep; ``errors``, (n, 2, regions, 2), takes those of their planes."""
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
@@ -125,8 +127,10 @@ def trace(
         lambda: (
             empty_sweep_workspace(arrays, apparent, dtype),
             empty_multipath_workspace(arrays, dtype) if arrays.multipath.enabled else None,
+            empty_plane_sums(arrays.bins),
         )
     )
+    measured = np.empty((0, 2, REGIONS, 2)) if errors is None else errors
 
     def block(first: int, last: int) -> None:
         # Pings that share their planes, those of the sonar and those of its image in the sea surface.
@@ -135,15 +139,26 @@ def trace(
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
 
-            def sweep(part: Poses, low: int, high: int, beams: Any = (beam, image_beam), to: Singles = traced) -> None:
-                room, images = rooms.own
-                sweep_pings(arrays, part, beams[0], apparent, room, to[low:high])
+            missed = measured if errors is None or traced is out else np.empty((places.size, 2, REGIONS, 2))
+
+            def sweep(
+                part: Poses,
+                low: int,
+                high: int,
+                beams: Any = (beam, image_beam),
+                to: Singles = traced,
+                missed: Floats = missed,
+            ) -> None:
+                room, images, sums = rooms.own
+                sweep_pings(arrays, part, beams[0], apparent, room, sums, to[low:high], missed[low:high])
                 if images is not None:
                     sweep_multipath(arrays, part, *beams, images, empty_contributor_table(0, 0), to[low:high])
 
             share_blocks(some, sweep, threads, pings_a_thread(beam))
             if traced is not out:
                 out[places] = traced
+                if errors is not None:
+                    errors[places] = missed
 
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)

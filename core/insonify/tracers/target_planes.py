@@ -25,6 +25,7 @@ BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond 
 COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
 LEAST = 1e-9  # rad, by which edges of sectors differ
+AT_EDGE = 0.02  # share of a plane's width within which an end of a target is at its edge
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
@@ -126,31 +127,36 @@ def _sectors_over_track(
 
 
 def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
-    """Pings with planes too wide for a body across them within reach, in order, by height above the lowest bed, m."""
-    width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
-    bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
+    """Pings with planes to divide for a body across them within reach, in order, by height above the lowest bed, m."""
+    low, high = _edges(fan)
+    met = (sectors.low < high.max()) & (sectors.high > low.min()) & np.isfinite(sectors.step)
+    bodies = np.flatnonzero(met.any(axis=0))
     if bodies.size == 0 or height.size == 0:
         return np.zeros(0, np.int64)
     some = TargetSectors(*(column[:, bodies] for column in sectors))
-    reached = fan.reach * height.max() >= some.nearest.min()
-    wide = AzimuthFan(*(column[reached & (width > some.step.min())] for column in fan))
-    at_once = max(MOST_AT_ONCE // max(wide.azimuth.size * bodies.size, 1), 1)
+    reaching = AzimuthFan(*(column[fan.reach * height.max() >= some.nearest.min()] for column in fan))
+    at_once = max(MOST_AT_ONCE // max(reaching.azimuth.size * bodies.size, 1), 1)
     parts = (slice(first, first + at_once) for first in range(0, height.size, at_once))
-    return np.flatnonzero(np.concatenate([find_too_wide(wide, some, part, height).any(axis=(1, 2)) for part in parts]))
+    divided = [find_planes_to_divide(reaching, some, part, height).any(axis=(1, 2)) for part in parts]
+    return np.flatnonzero(np.concatenate(divided))
 
 
-def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
-    """Which planes of which pings, (pings, planes, sides × bodies), lie across a body and are too wide for it."""
+def find_planes_to_divide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
+    """Which planes of which pings, (pings, planes, sides × bodies), are too wide for a body or hold an end of it."""
     low, high = (edge[:, None] for edge in _edges(fan))
     a, b, step, nearest = (column[pings, None, :] for column in sectors)
-    reached = nearest <= fan.reach[:, None] * height[pings, None, None]
-    return np.asarray((low < b) & (high > a) & reached & (high - low > (1.0 + LEAST) * step))
+    reached = (nearest <= fan.reach[:, None] * height[pings, None, None]) & np.isfinite(step)
+    is_wide = (low < b) & (high > a) & (high - low > (1.0 + LEAST) * step)
+    # An end that lies closer to the edge of a plane misplaces less than that plane errs within itself.
+    inward = AT_EDGE * (high - low)
+    holds_end = ((low + inward < a) & (a < high - inward)) | ((low + inward < b) & (b < high - inward))
+    return np.asarray((is_wide | holds_end) & reached)
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
     """Divide the planes of a fan that are too wide for the targets of one ping."""
     # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
-    needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
+    needs = find_planes_to_divide(fan, sectors, slice(ping, ping + 1), height)[0]
     low, high = _edges(fan)
     a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
     edges = _place_edges(
@@ -166,7 +172,7 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     number = np.concatenate([np.arange(n) for n in parts])
     size = np.repeat(width / np.maximum(parts, 1), parts)
     start = np.repeat(edges[:-1], parts) + number * size
-    return _make_fan(fan, (low, high), start, start + size)
+    return _make_fan(fan, (low, high), start, start + size, np.concatenate([a, b]))
 
 
 def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats) -> Floats:
@@ -188,8 +194,10 @@ def _find_parents(low: Floats, high: Floats, azimuth: Floats) -> tuple[Booleans,
     return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
 
 
-def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats) -> AzimuthFan:
-    """Planes between edges, in place of those of a fan."""
+def _make_fan(
+    fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats, borders: Floats
+) -> AzimuthFan:
+    """Planes between edges, in place of those of a fan; at borders of targets others begin."""
     (_, first), (_, parent), (_, last) = (
         _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)
     )
@@ -205,6 +213,7 @@ def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high:
         far_angle=fan.far_angle[parent] * share,
         near_field=fan.near_field[parent],
         reach=np.maximum(np.maximum(fan.reach[first], fan.reach[last]), fan.reach[parent]),
+        apart=(np.abs(low[:, None] - borders) < LEAST).any(axis=1),
     )
 
 

@@ -28,6 +28,16 @@ from insonify.kernels.sweep.partial_segments import (
     load_segment,
     visible_from,
 )
+from insonify.kernels.sweep.plane_errors import (
+    LEAST_PLANES,
+    NODES,
+    add_plane,
+    begin_side,
+    divide_bins,
+    finish_side,
+    share_planes,
+    weigh_plane,
+)
 from insonify.kernels.sweep.segment_densities import deposit_densities, deposit_linear_densities
 from insonify.kernels.sweep.target_echoes import deposit_targets
 from insonify.kernels.sweep.visibility import SegmentEchoes, empty_segment_echoes, find_visible_echoes
@@ -47,6 +57,7 @@ class AzimuthFan(NamedTuple):
     far_angle: NDArray[np.float64]
     near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
     reach: NDArray[np.float64]  # greatest ground range in the plane inside the beam, per metre of that height
+    apart: NDArray[np.bool_]  # whether a border of a target lies between the plane and the one before it
 
 
 class SweepWorkspace(NamedTuple):
@@ -132,8 +143,8 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
 
 
 @kernel
-def sweep_pings(arrays, poses, fan, apparent, workspace, out):
-    """Sweep every plane of every ping.
+def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors):
+    """Sweep every plane of every ping, and estimate what their sum misses.
 
     Parameters
     ----------
@@ -141,27 +152,64 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, out):
     poses : Poses
         n pings.
     fan : AzimuthFan
-        The planes.
+        The planes, in the order of their azimuths.
     apparent : ApparentTables
         Of water that refracts.
     workspace : SweepWorkspace
+    sums : PlaneSums
     out : ndarray of float32, shape (n, 2, bins)
         Takes the intensity of both sides.
+    errors : ndarray of float64, shape (n, 2, 3, 2)
+        Takes the squares of the error and of the record by region, as `finish_side` has them; with no pings, no error
+        is estimated.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
+    shares = np.zeros((fan.azimuth.size, NODES + 1))
+    _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, fan, apparent, workspace, bins, out):
+def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors):
     """Sweep every plane of every ping, without counting references."""
+    is_measured = errors.shape[0] > 0 and fan.azimuth.size >= LEAST_PLANES
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
+            if is_measured:
+                _begin_measured(arrays, poses, ping, side, fan, grid, sums, shares)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-            accumulate_bins(bins, arrays.range_factor, out[ping, side])
+                if is_measured:
+                    farthest = math.hypot(reach + 2.0 * arrays.bed.spacing, plane.z - arrays.bed.low)
+                    end = np.int64(farthest / arrays.bin_length) + 2
+                    add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
+            if is_measured:
+                finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side])
+            else:
+                accumulate_bins(bins, arrays.range_factor, out[ping, side])
+
+
+@inlined_uncounted
+def _begin_measured(arrays, poses, ping, side, fan, grid, sums, shares):
+    """Clear the sums of a side, and weigh its planes unless those of the ping before are weighed alike."""
+    begin_side(sums)
+    if side == PORT and ping > 0 and _is_posed_alike(poses, ping):
+        return
+    if side != PORT and poses.roll[ping] == 0.0:
+        return
+    divide_bins(sums, arrays, poses.z[ping])
+    for k in range(fan.azimuth.size):
+        _, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, grid)
+        weigh_plane(sums, arrays, poses.z[ping], sector, shares[k])
+    share_planes(sums, shares)
+
+
+@inlined_uncounted
+def _is_posed_alike(poses, ping):
+    """Whether a ping has the height and attitude of the one before, without roll."""
+    alike = poses.z[ping] == poses.z[ping - 1] and poses.pitch[ping] == poses.pitch[ping - 1]
+    return alike and poses.roll[ping] == 0.0 and poses.roll[ping - 1] == 0.0
 
 
 @inlined_uncounted
