@@ -5,16 +5,16 @@ Derived in docs/theory/sweep.md.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.sweep.partial_segments import FINE
-from insonify.kernels.sweep.plane_errors import REGIONS, empty_plane_sums
+from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
@@ -25,6 +25,7 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
+from insonify.tracers.plane_counts import Goal, empty_squares, trace_until
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -95,6 +96,40 @@ def _divide_profile(reach: float, spacing: float, height: float) -> tuple[float,
     return segments, math.asinh(nearer / height) / FINE + 0.5 * segments, (reach - nearer) / spacing
 
 
+class MeasuredEchoes(NamedTuple):
+    """Echoes of pings with the errors of their planes."""
+
+    echoes: Singles  # (n, 2, bins)
+    squares: Floats  # (n, 2, regions, 2) of errors and of the record, as `errors_of_sides` takes them
+    planes: Integers  # (n,) planes across the beam
+
+
+def trace_measured(
+    arrays: SceneArrays,
+    poses: Poses,
+    *,
+    planes: int = 16,
+    across: int = 0,
+    rays: int = 4000,
+    goal: Goal | None = None,
+    threads: int | None = None,
+) -> MeasuredEchoes:
+    """Trace pings by the sweep, each by as many planes as its error requires."""
+    out = new_record(arrays, poses)
+
+    def trace_some(places: Integers, count: int) -> Floats:
+        squares, more = empty_squares(places.size), across * -(-count // planes)
+        some = take_poses(poses, places)
+        traced = trace(arrays, some, planes=count, across=more, rays=rays, threads=threads, squares=squares)
+        if places.size == poses.x.size:
+            out[:] = traced
+        else:
+            out[places] = traced
+        return squares
+
+    return MeasuredEchoes(out, *trace_until(goal, planes, poses.x.size, trace_some))
+
+
 def trace(
     arrays: SceneArrays,
     poses: Poses,
@@ -104,9 +139,9 @@ def trace(
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
-    errors: Floats | None = None,
+    squares: Floats | None = None,
 ) -> Singles:
-    """Trace pings by the sweep; ``errors``, (n, 2, regions, 2), takes those of their planes."""
+    """Trace pings by the sweep; ``squares`` takes those of the errors of planes, where they are measured."""
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
@@ -130,7 +165,7 @@ def trace(
             empty_plane_sums(arrays.bins),
         )
     )
-    measured = np.empty((0, 2, REGIONS, 2)) if errors is None else errors
+    nothing = empty_squares(0)
 
     def block(first: int, last: int) -> None:
         # Pings that share their planes, those of the sonar and those of its image in the sea surface.
@@ -138,27 +173,27 @@ def trace(
             places = clear[among]
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
-
-            missed = measured if errors is None or traced is out else np.empty((places.size, 2, REGIONS, 2))
+            missed = nothing if squares is None else empty_squares(places.size)
 
             def sweep(
                 part: Poses,
                 low: int,
                 high: int,
                 beams: Any = (beam, image_beam),
-                to: Singles = traced,
-                missed: Floats = missed,
+                to: tuple[Singles, Floats] = (traced, missed),
             ) -> None:
                 room, images, sums = rooms.own
-                sweep_pings(arrays, part, beams[0], apparent, room, sums, to[low:high], missed[low:high])
+                record, errors = to[0][low:high], to[1][low:high]
+                sweep_pings(arrays, part, beams[0], apparent, room, sums, record, errors)
                 if images is not None:
-                    sweep_multipath(arrays, part, *beams, images, empty_contributor_table(0, 0), to[low:high])
+                    table = empty_contributor_table(0, 0)
+                    sweep_multipath(arrays, part, *beams, images, table, sums, record, errors)
 
             share_blocks(some, sweep, threads, pings_a_thread(beam))
             if traced is not out:
                 out[places] = traced
-                if errors is not None:
-                    errors[places] = missed
+            if squares is not None:
+                squares[places] = missed
 
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)

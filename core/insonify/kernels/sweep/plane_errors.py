@@ -61,7 +61,7 @@ def empty_plane_sums(bins: int) -> PlaneSums:
 
 @kernel_uncounted
 def divide_bins(sums, arrays, height):
-    """Find the regions of a side's bins, the echo of a level bed in them, and the places at which planes are weighed."""
+    """Find the regions of the bins, the echo of a level bed in them, and the places at which planes are weighed."""
     bins, length, edges, scale = arrays.bins, arrays.bin_length, sums.edges, sums.scale
     height = max(height, length)
     first = min(math.ceil(height / length), bins)
@@ -240,23 +240,31 @@ def variance_factor(first, second):
 
 @kernel_uncounted
 def finish_side(sums, factor, out, errors):
-    """Turn the sum of all planes into intensities, and find by region the squares of its error and of itself.
+    """Turn the sum of all planes into intensities, and find by region the squares of its error.
 
-    ``errors``, (regions, 2), takes both over the record of a level bed; NaN where no planes can be compared.
+    ``errors``, (regions, 2), takes those over the record of a level bed; NaN where no planes can be compared.
     """
     _end_piece(sums)
-    edges, total, scale = sums.edges, sums.total, sums.scale
     for region in range(REGIONS):
-        whole = 0.0
-        for k in range(edges[region, 0], edges[region, 1]):
-            echo = total[k] * np.float64(scale[k])
-            whole += echo * echo
         found = sums.sums[region]
-        errors[region, 1] = whole
         if found[COMPARED] > 0.0:
-            errors[region, 0] = 2.0 * found[MISSED] * found[ALL] / found[COMPARED]
-        else:
-            errors[region, 0] = np.nan if whole > 0.0 else 0.0
+            errors[region, 0] += 2.0 * found[MISSED] * found[ALL] / found[COMPARED]
+        elif found[ALL] > 0.0:
+            errors[region, 0] = np.nan
+    total = sums.total
     for k in range(total.size):
         # Weights interpolated in a table may be negative by rounding; intensities are never below zero.
         out[k] = max(total[k], np.int64(0)) * (factor[k] * (1.0 / FIXED_POINT))
+
+
+@kernel_uncounted
+def square_record(sums, factor, record, errors):
+    """Find by region the squares of a record over that of a level bed."""
+    for region in range(REGIONS):
+        whole = 0.0
+        for k in range(sums.edges[region, 0], sums.edges[region, 1]):
+            echo = record[k] * (sums.scale[k] * FIXED_POINT / factor[k])
+            whole += echo * echo
+        errors[region, 1] = whole
+        if whole == 0.0:
+            errors[region, 0] = 0.0

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.compiler.jit import inlined_uncounted, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
@@ -21,7 +21,12 @@ from insonify.kernels.bed.slice import slice_bed, snap_to_grid
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.types import PORT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.refraction.apparent_positions import ApparentTables, apply_apparent_positions, prepare_table
+from insonify.kernels.refraction.apparent_positions import (
+    ApparentTables,
+    apply_apparent_positions,
+    prepare_table,
+    straight_grid,
+)
 from insonify.kernels.sweep.partial_segments import (
     deposit_partial_segment,
     deposit_visible_stretches,
@@ -36,6 +41,7 @@ from insonify.kernels.sweep.plane_errors import (
     divide_bins,
     finish_side,
     share_planes,
+    square_record,
     weigh_plane,
 )
 from insonify.kernels.sweep.segment_densities import deposit_densities, deposit_linear_densities
@@ -160,8 +166,8 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors):
     out : ndarray of float32, shape (n, 2, bins)
         Takes the intensity of both sides.
     errors : ndarray of float64, shape (n, 2, 3, 2)
-        Takes the squares of the error and of the record by region, as `finish_side` has them; with no pings, no error
-        is estimated.
+        Takes by region the squares of the error and of the record over that of a level bed; with no pings, no error is
+        estimated.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     shares = np.zeros((fan.azimuth.size, NODES + 1))
@@ -171,27 +177,41 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors):
 @inlined_uncounted
 def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors):
     """Sweep every plane of every ping, without counting references."""
-    is_measured = errors.shape[0] > 0 and fan.azimuth.size >= LEAST_PLANES
+    is_measured = can_measure(fan, errors)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             if is_measured:
-                _begin_measured(arrays, poses, ping, side, fan, grid, sums, shares)
+                begin_measured(arrays, poses, ping, side, fan, sums, shares)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 if is_measured:
-                    farthest = math.hypot(reach + 2.0 * arrays.bed.spacing, plane.z - arrays.bed.low)
-                    end = np.int64(farthest / arrays.bin_length) + 2
+                    end = reach_in_bins(arrays, plane.z, reach)
                     add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
             if is_measured:
+                errors[ping, side] = 0.0
                 finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side])
+                square_record(sums, arrays.range_factor, out[ping, side], errors[ping, side])
             else:
                 accumulate_bins(bins, arrays.range_factor, out[ping, side])
 
 
 @inlined_uncounted
-def _begin_measured(arrays, poses, ping, side, fan, grid, sums, shares):
+def can_measure(fan, errors):
+    """Whether errors are to be estimated, and a fan has enough planes for it."""
+    return errors.shape[0] > 0 and fan.azimuth.size >= LEAST_PLANES
+
+
+@inlined_uncounted
+def reach_in_bins(arrays, z, reach):
+    """Bin beyond which a plane of a ground range has no echoes of a bed within its heights."""
+    farthest = math.hypot(reach + 2.0 * arrays.bed.spacing, z - arrays.bed.low)
+    return np.int64(farthest / arrays.bin_length) + 2
+
+
+@kernel_uncounted
+def begin_measured(arrays, poses, ping, side, fan, sums, shares):
     """Clear the sums of a side, and weigh its planes unless those of the ping before are weighed alike."""
     begin_side(sums)
     if side == PORT and ping > 0 and _is_posed_alike(poses, ping):
@@ -200,7 +220,7 @@ def _begin_measured(arrays, poses, ping, side, fan, grid, sums, shares):
         return
     divide_bins(sums, arrays, poses.z[ping])
     for k in range(fan.azimuth.size):
-        _, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, grid)
+        _, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
         weigh_plane(sums, arrays, poses.z[ping], sector, shares[k])
     share_planes(sums, shares)
 
