@@ -28,7 +28,15 @@ from insonify.scene import Scene, SceneError
 from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, new_record, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
-from insonify.tracers.sweep import Sweep
+from insonify.tracers.plane_counts import (
+    TracedPings,
+    empty_squares,
+    errors_of_sides,
+    more_across,
+    trace_by_count,
+    trace_until,
+)
+from insonify.tracers.sweep import Sweep, trace_measured
 
 UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 BLOCK_TIME = 0.25  # s, predicted for a block
@@ -78,27 +86,60 @@ class Simulation(PackedScene):
         return self.record(pings, self.poses(pings))
 
     def record(
-        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: Traced | None = None
+        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: TracedPings | None = None
     ) -> Singles:
         """Trace, unless that is done, and receive pings at given poses, into ``out`` if it is given."""
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None
-            traced = self.trace(poses) if traced is None else traced
+            traced = self.trace_pings(poses) if traced is None else traced
             if shapes is not None:
-                divided = self.trace(poses, self.reduced._replace(reflectivity=shapes))
-            return record_echoes(self.reception, traced, pings, divided, out)
+                divided = self._trace_by(traced.planes, poses, self.reduced._replace(reflectivity=shapes))
+            return record_echoes(self.reception, traced.echoes, pings, divided, out)
 
-    def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
+    def trace(self, poses: Poses) -> Traced:
         """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
-        trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
+        return self.trace_pings(poses).echoes
+
+    def trace_pings(self, poses: Poses) -> TracedPings:
+        """Trace pings as `trace` does, each by as many planes as its error requires."""
+        if not self._estimates_errors:
+            planes = np.full(poses.x.size, self.plan.planes, np.int64)
+            return TracedPings(self._trace_by(planes, poses, self.reduced), empty_squares(poses.x.size), planes)
         with limited_threads(self.threads):
-            echoes: Traced = self.tiles.map(
-                lambda tile, some: trace_pings(tile, some, **self.plan.settings),
-                self.reduced if arrays is None else arrays,
+            found = self.tiles.map(
+                lambda tile, some: trace_measured(tile, some, goal=self.plan.goal, **self.plan.settings),
+                self.reduced,
                 poses,
             )
-        return echoes
+        return TracedPings(*found)
+
+    @property
+    def _estimates_errors(self) -> bool:
+        """Whether the planes of each ping estimate its error: those of the sweep, but of interfering waves."""
+        return isinstance(self.tracer, Sweep) and not self.reception.sums_waves
+
+    def _trace_by(self, planes: Integers, poses: Poses, arrays: SceneArrays) -> Traced:
+        """Trace pings by given numbers of planes."""
+        trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
+
+        def trace_some(places: Integers, count: int) -> Traced:
+            settings, some = self.settings_of(count), take_poses(poses, places)
+            found: Traced = self.tiles.map(lambda tile, part: trace_pings(tile, part, **settings), arrays, some)
+            return found
+
+        with limited_threads(self.threads):
+            return trace_by_count(planes, trace_some)
+
+    def settings_of(self, planes: int) -> dict[str, Any]:
+        """Arguments of the tracer for a ping of a number of planes."""
+        return _with_planes(self.plan.settings, planes, self.plan.planes)
+
+    def errors(self, traced: TracedPings) -> Singles:
+        """Estimated errors of traced pings by sides, (n, 2): those of planes, and of what the plan leaves out."""
+        goal = self.plan.goal
+        planes = errors_of_sides(traced.squares) * (1.0 if goal is None else goal.trust)
+        return np.hypot(planes, self.plan.left_out).astype(np.float32)
 
     def expect(self, pings: Integers) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
@@ -119,30 +160,33 @@ class Simulation(PackedScene):
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        labels, _ = self.labels(self.poses(pings))
-        return labels
+        return self.labels(self.poses(pings))[0]
 
-    def labels(
-        self, poses: Poses, *, traced: bool = False, targets_alone: bool = False
-    ) -> tuple[RecordLabels, Singles | None]:
-        """Label every range bin of pings at given poses, as `truth` does; return the echoes too if they are traced.
+    def labels(self, poses: Poses, *, targets_alone: bool = False) -> tuple[RecordLabels, TracedPings]:
+        """Label every range bin of pings at given poses, as `truth` does; return the sweep's echoes too.
 
         With ``targets_alone`` pings that show the bed alone are not labelled with its places.
         """
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
-        settings = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
-        share = 0.0 if crosstalk is None else crosstalk.share
+        settings: dict[str, Any] = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
+        settings["crosstalk"], first = 0.0 if crosstalk is None else crosstalk.share, settings.get("planes", 16)
 
-        def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
-            volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-            echoes = new_record(tile, some) if traced else None
-            labels = trace_labels(tile, some, crosstalk=share, volumes=volumes, echoes=echoes, **settings)
-            return (*labels, echoes) if traced else labels
+        def label_some(places: Integers, planes: int) -> tuple[Any, ...]:
+            own = _with_planes(settings, planes, first)
+
+            def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
+                volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
+                echoes, squares = new_record(tile, some), empty_squares(some.x.size)
+                labels = trace_labels(tile, some, volumes=volumes, echoes=echoes, squares=squares, **own)
+                return (*labels, echoes, squares)
+
+            found: tuple[Any, ...] = self.tiles.map(label_tile, self.reduced, take_poses(poses, places))
+            return found
 
         with limited_threads(self.threads):
-            columns = self.tiles.map(label_tile, self.reduced, poses)
-        fields = len(RecordLabels._fields)
-        return RecordLabels(*columns[:fields]), columns[fields] if traced else None
+            goal = self.plan.goal if self._estimates_errors else None
+            (*labels, echoes, squares), planes = trace_until(goal, first, poses.x.size, label_some)
+        return RecordLabels(*labels), TracedPings(echoes, squares, planes)
 
     def pings_within(self, seconds: float) -> int:
         """Return the number of pings that take about so long by the plan's cost, at least 1."""
@@ -180,13 +224,15 @@ class Simulation(PackedScene):
         return PingBlock(pings, poses, whole)
 
     def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
-        """Intensity of some pings, and their labels if requested."""
-        if not truth:
-            return {"intensity": self.record(pings, poses, out)}
-        alone = truth == "targets"
-        labels, traced = self.labels(poses, traced=self._traces_by_labelling, targets_alone=alone)
-        names = OF_TARGETS if alone else labels._fields
-        return {"intensity": self.record(pings, poses, out, traced)} | {name: getattr(labels, name) for name in names}
+        """Intensity of some pings and its estimated errors, and their labels if requested."""
+        columns: Columns = {}
+        if truth:
+            labels, traced = self.labels(poses, targets_alone=truth == "targets")
+            columns = {name: getattr(labels, name) for name in (OF_TARGETS if truth == "targets" else labels._fields)}
+        if not (truth and self._traces_by_labelling):
+            traced = self.trace_pings(poses)
+        errors = self.errors(traced)
+        return {"intensity": self.record(pings, poses, out, traced), "error": errors} | columns
 
     @property
     def _traces_by_labelling(self) -> bool:
@@ -207,6 +253,14 @@ class Simulation(PackedScene):
         bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * bool(truth))
         fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else self.scene.track.pings
         return max(1, min(fitting, self.pings_within(BLOCK_TIME)))
+
+
+def _with_planes(settings: Mapping[str, Any], planes: int, first: int) -> dict[str, Any]:
+    """Arguments of a tracer for another number of planes than the first."""
+    if planes == first:
+        return dict(settings)
+    across = more_across(planes, first, settings.get("across", 0))
+    return {**settings, "planes": planes} | ({"across": across} if across > 0 else {})
 
 
 def prepare(

@@ -4,17 +4,28 @@ Theory: docs/theory/error.md.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.arrays import Floats, Integers
 from insonify.kernels.sweep.plane_errors import BEYOND, COLUMN, REGIONS
 
+AnyArray = NDArray[Any]
+Columns = tuple[AnyArray, ...]
 # Numbers of planes across a beam that are traced.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
 MOST_GROWTH = 4.0  # of the number of planes from one trace of a ping to the next
+
+
+class TracedPings(NamedTuple):
+    """Traced pings with the errors of their planes."""
+
+    echoes: AnyArray  # (n, 2, bins) mean energies, or waves of the samples of bins
+    squares: Floats  # (n, 2, regions, 2) of errors and of the record, as `errors_of_sides` takes them
+    planes: Integers  # (n,) planes across the beam
 
 
 class Goal(NamedTuple):
@@ -40,32 +51,52 @@ def errors_of_sides(squares: Floats) -> Floats:
     return np.asarray(np.where(np.isnan(found), np.inf, found).max(axis=0))
 
 
+def more_across(planes: int, first: int, across: int) -> int:
+    """Planes across each target of a ping with more planes than the first number of them."""
+    return across * -(-planes // first)
+
+
 def trace_until(
-    goal: Goal | None, planes: int, pings: int, trace_some: Callable[[Integers, int], Floats]
-) -> tuple[Floats, Integers]:
-    """Trace pings, and those of too great an error by more planes; return the squares of errors and the planes of each.
+    goal: Goal | None, first: int, pings: int, trace_some: Callable[[Integers, int], Columns]
+) -> tuple[Columns, Integers]:
+    """Trace pings, and those of too great an error by more planes; return what is traced and the planes of each.
 
     Parameters
     ----------
     goal : Goal or None
         None traces every ping once.
-    planes : int
+    first : int
         Planes that every ping is traced by at first.
     pings : int
         Number of pings.
     trace_some : callable
-        Traces the pings at some places by a number of planes, and returns their squares of errors.
+        Traces the pings at some places by a number of planes; returns arrays of them, the squares of errors last.
     """
-    counts, squares = np.full(pings, planes, np.int64), trace_some(np.arange(pings), planes)
+    planes, columns = np.full(pings, first, np.int64), trace_some(np.arange(pings), first)
     while goal is not None and pings > 0:
-        errors = goal.trust * errors_of_sides(squares.sum(axis=1))
-        over = np.flatnonzero((errors > goal.tolerance) & (counts < MOST_PLANES))
+        errors = goal.trust * errors_of_sides(columns[-1].sum(axis=1))
+        over = np.flatnonzero((errors > goal.tolerance) & (planes < MOST_PLANES))
         if over.size == 0:
             break
         growth = np.clip(errors[over] / goal.tolerance, 1.0, MOST_GROWTH)
-        wanted = np.searchsorted(COUNTS, np.minimum(np.maximum(growth * counts[over], counts[over] + 1), MOST_PLANES))
-        for place in np.unique(wanted):
-            some = over[wanted == place]
-            counts[some] = COUNTS[place]
-            squares[some] = trace_some(some, COUNTS[place])
-    return squares, counts
+        least = np.minimum(np.maximum(growth * planes[over], planes[over] + 1), MOST_PLANES)
+        wanted = np.asarray(COUNTS)[np.searchsorted(COUNTS, least)]
+        for count in np.unique(wanted):
+            some = over[wanted == count]
+            planes[some] = count
+            for column, part in zip(columns, trace_some(some, int(count))):
+                column[some] = part
+    return columns, planes
+
+
+def trace_by_count(planes: Integers, trace_some: Callable[[Integers, int], AnyArray]) -> AnyArray:
+    """Trace pings by given numbers of planes, those of one number together."""
+    counts = np.unique(planes)
+    if counts.size <= 1:
+        return trace_some(np.arange(planes.size), int(planes[0]) if planes.size else 1)
+    groups = [np.flatnonzero(planes == count) for count in counts]
+    parts = [trace_some(some, int(count)) for some, count in zip(groups, counts)]
+    whole = np.empty((planes.size, *parts[0].shape[1:]), parts[0].dtype)
+    for some, part in zip(groups, parts):
+        whole[some] = part
+    return whole

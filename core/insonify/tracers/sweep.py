@@ -5,7 +5,7 @@ Derived in docs/theory/sweep.md.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
-from insonify.tracers.plane_counts import Goal, empty_squares, trace_until
+from insonify.tracers.plane_counts import Columns, Goal, TracedPings, empty_squares, more_across, trace_until
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -96,38 +96,24 @@ def _divide_profile(reach: float, spacing: float, height: float) -> tuple[float,
     return segments, math.asinh(nearer / height) / FINE + 0.5 * segments, (reach - nearer) / spacing
 
 
-class MeasuredEchoes(NamedTuple):
-    """Echoes of pings with the errors of their planes."""
-
-    echoes: Singles  # (n, 2, bins)
-    squares: Floats  # (n, 2, regions, 2) of errors and of the record, as `errors_of_sides` takes them
-    planes: Integers  # (n,) planes across the beam
-
-
 def trace_measured(
     arrays: SceneArrays,
     poses: Poses,
     *,
     planes: int = 16,
     across: int = 0,
-    rays: int = 4000,
     goal: Goal | None = None,
-    threads: int | None = None,
-) -> MeasuredEchoes:
+    **settings: Any,
+) -> TracedPings:
     """Trace pings by the sweep, each by as many planes as its error requires."""
-    out = new_record(arrays, poses)
 
-    def trace_some(places: Integers, count: int) -> Floats:
-        squares, more = empty_squares(places.size), across * -(-count // planes)
+    def trace_some(places: Integers, count: int) -> Columns:
+        squares, more = empty_squares(places.size), more_across(count, planes, across)
         some = take_poses(poses, places)
-        traced = trace(arrays, some, planes=count, across=more, rays=rays, threads=threads, squares=squares)
-        if places.size == poses.x.size:
-            out[:] = traced
-        else:
-            out[places] = traced
-        return squares
+        return trace(arrays, some, planes=count, across=more, squares=squares, **settings), squares
 
-    return MeasuredEchoes(out, *trace_until(goal, planes, poses.x.size, trace_some))
+    (echoes, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
+    return TracedPings(echoes, squares, counts)
 
 
 def trace(

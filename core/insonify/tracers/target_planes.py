@@ -194,9 +194,7 @@ def _find_parents(low: Floats, high: Floats, azimuth: Floats) -> tuple[Booleans,
     return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
 
 
-def _make_fan(
-    fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats, borders: Floats
-) -> AzimuthFan:
+def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats, borders: Floats) -> AzimuthFan:
     """Planes between edges, in place of those of a fan; at borders of targets others begin."""
     (_, first), (_, parent), (_, last) = (
         _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)

@@ -140,9 +140,7 @@ def empty_shares(fan, image_fan):
 
 
 @kernel_uncounted
-def add_multipath(
-    arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed
-):
+def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed):
     """Add the echoes by way of the sea surface to one side of one ping; ``missed`` has a row if errors are estimated.
 
     The echo of the surface itself does not count in them: it is exact, and may outweigh all others.

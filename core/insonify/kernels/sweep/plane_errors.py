@@ -119,6 +119,8 @@ def _spread_nodes(sums, values, end, out):
     nodes, k = sums.nodes, min(sums.edges[NEAR, 0], end)
     out[:k] = values[NODES]
     for n in range(NODES - 1):
+        if k >= end:
+            return
         last = min(max(math.ceil(nodes[n + 1] - 0.5), k), end)
         rate = (values[n + 1] - values[n]) / (nodes[n + 1] - nodes[n])
         part, start = out[k:last], values[n] + rate * max(k - nodes[n] + 0.5, 0.0)
@@ -138,7 +140,7 @@ def begin_side(sums):
     sums.ends[3] = 0
 
 
-@kernel_uncounted
+@inlined_uncounted
 def add_plane(sums, bins, shares, reach, azimuth, is_apart):
     """Take the steps of one plane, and compare it with those before it unless a border of a target lies between.
 
@@ -174,11 +176,10 @@ def add_plane(sums, bins, shares, reach, azimuth, is_apart):
 def _find_end(steps, reach, size):
     """Bin at which the steps of a plane end, if it has none beyond its reach."""
     end, beyond = min(reach, size), np.int64(0)
-    for k in range(end, size):
-        beyond |= steps[k]
-    if beyond != 0:
-        return size
-    return end
+    rest = steps[end:size]
+    for k in range(rest.size):
+        beyond |= rest[k]
+    return size if beyond != 0 else end
 
 
 @inlined_uncounted
@@ -261,9 +262,10 @@ def finish_side(sums, factor, out, errors):
 def square_record(sums, factor, record, errors):
     """Find by region the squares of a record over that of a level bed."""
     for region in range(REGIONS):
-        whole = 0.0
-        for k in range(sums.edges[region, 0], sums.edges[region, 1]):
-            echo = record[k] * (sums.scale[k] * FIXED_POINT / factor[k])
+        part, whole = slice(sums.edges[region, 0], sums.edges[region, 1]), 0.0
+        echoes, scale, decay = record[part], sums.scale[part], factor[part]
+        for k in range(echoes.size):
+            echo = echoes[k] * (scale[k] * FIXED_POINT / decay[k])
             whole += echo * echo
         errors[region, 1] = whole
         if whole == 0.0:
