@@ -68,7 +68,7 @@ class PlaneLaw(NamedTuple):
         return self.error * (FEW_PLANES / planes) ** self.power
 
     def cheapest(self, counts: Sequence[int], tolerance: float) -> int:
-        """Number of planes with which the pings that are measured take the fewest in all, those of a second trace too."""
+        """Return the number with which the measured pings take the fewest planes, those of a second trace included."""
 
         def planes_of(count: int) -> float:
             errors = [self.trust * each * (FEW_PLANES / count) ** self.power for each in self.estimated]

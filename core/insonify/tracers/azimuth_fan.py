@@ -172,12 +172,12 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
         np.where(is_inner, math.inf, outer_reach),
         np.zeros(low.size, np.bool_),
     )
-    both = AzimuthFan(*(np.concatenate([column[::-1], column]) for column in columns))
+    both = AzimuthFan(*columns).take(np.append(np.arange(low.size)[::-1], np.arange(low.size)))
     both.azimuth[: low.size] *= -1.0
     if planes % 2 == 0:
         return both
     both.azimuth[low.size], both.angle[low.size] = 0.0, 2.0 * both.angle[low.size]
-    return AzimuthFan(*(np.delete(column, low.size - 1) for column in both))
+    return both.take(np.arange(both.azimuth.size) != low.size - 1)
 
 
 def pattern_planes(

@@ -134,7 +134,7 @@ def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats
     if bodies.size == 0 or height.size == 0:
         return np.zeros(0, np.int64)
     some = TargetSectors(*(column[:, bodies] for column in sectors))
-    reaching = AzimuthFan(*(column[fan.reach * height.max() >= some.nearest.min()] for column in fan))
+    reaching = fan.take(fan.reach * height.max() >= some.nearest.min())
     at_once = max(MOST_AT_ONCE // max(reaching.azimuth.size * bodies.size, 1), 1)
     parts = (slice(first, first + at_once) for first in range(0, height.size, at_once))
     divided = [find_planes_to_divide(reaching, some, part, height).any(axis=(1, 2)) for part in parts]
@@ -211,7 +211,7 @@ def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high:
         far_angle=fan.far_angle[parent] * share,
         near_field=fan.near_field[parent],
         reach=np.maximum(np.maximum(fan.reach[first], fan.reach[last]), fan.reach[parent]),
-        apart=(np.abs(low[:, None] - borders) < LEAST).any(axis=1),
+        apart=np.asarray((np.abs(low[:, None] - borders) < LEAST).any(axis=1)),
     )
 
 

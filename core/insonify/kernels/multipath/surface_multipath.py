@@ -148,6 +148,7 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink, su
     is_measured, factor, bins = can_measure(fan, missed), arrays.range_factor, sink.bins
     if is_measured:
         begin_measured(arrays, poses, ping, side, fan, sums, shares)
+        sums.planes[1] = 0  # waves may shorten a path
     pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
     for of_image in range(2):
         beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)

@@ -17,6 +17,7 @@ from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.geometry.solids import highest_place
 
 ERROR_ALTITUDES = 1.4  # altitudes of the sonar beyond which a tolerance counts
 REGIONS = 3
@@ -26,6 +27,7 @@ LEAST_PLANES = 3  # that give an estimate
 # α(p) for p = 0, 1/4 .. 2: with q = (p - 1) / 2, Γ(2q+2) ζ(2q+2) cos(πq) / ((2π)^(2q+2) (1 - 2^(2q-1))), Kiêu et al.
 ALPHA = np.array([1.0 / 3.0, 0.228015, 0.160791, 0.115298, 1.0 / 12.0, 0.060322, 0.043506, 0.031116, 0.021963])
 POWER_STEP = 0.25
+SOONER = 0.9  # least time of refracted sound over that of straight sound
 ZERO = np.float32(0.0)
 LEAST_SHARE = np.float32(1e-4)  # of the echo of a level bed, below which a plane is not compared with its neighbours
 MISSED, COMPARED, ALL, FIRST, SECOND = range(5)  # sums of each region
@@ -47,7 +49,8 @@ class PlaneSums(NamedTuple):
     # (regions, 5) of the planes since the last border of a target: the same, but for α, and squares of differences of
     # planes one and two spacings apart.
     piece: NDArray[np.float64]
-    ends: NDArray[np.int64]  # (4,) bins at which the last three planes end; number of planes since the last border
+    ends: NDArray[np.int64]  # (3,) bins at which the last three planes end
+    planes: NDArray[np.int64]  # (2,) planes since the last border of a target; bin nearer than which there is no echo
 
 
 def empty_plane_sums(bins: int) -> PlaneSums:
@@ -55,7 +58,8 @@ def empty_plane_sums(bins: int) -> PlaneSums:
     return PlaneSums(
         np.zeros(bins, np.int64), np.zeros(bins, np.float32), np.zeros((3, bins), np.float32),
         np.zeros((3, bins), np.float32), np.zeros(3), np.zeros(bins, np.float32), np.zeros((REGIONS, 3)),
-        np.zeros((REGIONS, 2), np.int64), np.zeros(NODES), np.zeros((REGIONS, 5)), np.zeros(4, np.int64),
+        np.zeros((REGIONS, 2), np.int64), np.zeros(NODES), np.zeros((REGIONS, 5)), np.zeros(3, np.int64),
+        np.zeros(2, np.int64),
     )  # fmt: skip
 
 
@@ -68,6 +72,9 @@ def divide_bins(sums, arrays, height):
     beyond = min(math.ceil(ERROR_ALTITUDES * height / length), bins)
     # Bed above the mean may return between the water column and the first return of a level bed.
     edges[COLUMN, 1] = min(max(math.floor((height - max(arrays.bed.high, 0.0)) / length) - 1, 0), first)
+    # Refracted sound may come a little sooner.
+    nearest = (height - max(arrays.bed.high, highest_place(arrays))) * (SOONER if arrays.water.bent else 1.0)
+    sums.planes[1] = min(max(math.floor(nearest / length) - 1, 0), first)
     edges[NEAR, 0], edges[NEAR, 1] = first, beyond
     edges[BEYOND, 0], edges[BEYOND, 1] = beyond, bins
     for k in range(first):
@@ -108,16 +115,16 @@ def share_planes(sums, weights):
         for k in range(planes):
             weights[k, n] = weights[k, n] / total if total > 0.0 else 0.0
     spread = sums.share[0]
-    _spread_nodes(sums, whole, spread.size, spread)
+    _spread_nodes(sums, whole, 0, spread.size, spread)
     for k in range(edges[NEAR, 0], edges[BEYOND, 1]):
         scale[k] = scale[k] / spread[k] if spread[k] > 0.0 else 0.0
 
 
 @inlined_uncounted
-def _spread_nodes(sums, values, end, out):
-    """Interpolate values at the nodes up to a bin; in the water column, those of level sound."""
-    nodes, k = sums.nodes, min(sums.edges[NEAR, 0], end)
-    out[:k] = values[NODES]
+def _spread_nodes(sums, values, start, end, out):
+    """Interpolate values at the nodes from a bin to another; in the water column, those of level sound."""
+    nodes, k = sums.nodes, min(max(sums.edges[NEAR, 0], start), end)
+    out[start:k] = values[NODES]
     for n in range(NODES - 1):
         if k >= end:
             return
@@ -137,7 +144,7 @@ def begin_side(sums):
     sums.squares[:] = 0.0
     sums.sums[:, :] = 0.0
     sums.piece[:, :] = 0.0
-    sums.ends[3] = 0
+    sums.planes[0] = 0
 
 
 @inlined_uncounted
@@ -148,28 +155,35 @@ def add_plane(sums, bins, shares, reach, azimuth, is_apart):
     """
     if is_apart:
         _end_piece(sums)
-    slot, steps, total = sums.ends[3] % 3, bins.steps, sums.total
-    end = _find_end(steps, reach, total.size)
-    sums.ends[3] += 1
+    slot, steps, start = sums.planes[0] % 3, bins.steps, sums.planes[1]
+    end = max(_find_end(steps, reach, sums.total.size), start)
+    sums.planes[0] += 1
     sums.ends[slot], sums.azimuth[slot] = end, azimuth
-    density, share, energy = sums.density[slot], sums.share[slot], np.int64(0)
-    for k in range(end):
-        energy += steps[k]
+    total, own_steps = sums.total[start:end], steps[start:end]
+    density, energy = sums.density[slot][start:end], np.int64(0)
+    for k in range(total.size):
+        energy += own_steps[k]
         total[k] += energy
         density[k] = energy
-    steps[:] = 0
-    _spread_nodes(sums, shares, end, share)
-    scale = sums.scale
-    for k in range(end):
-        own = share[k]
-        density[k] = density[k] * scale[k] / own if own > LEAST_SHARE else ZERO
+    steps[start : end + 2] = 0
+    share = sums.share[slot]
+    _spread_nodes(sums, shares, start, end, share)
+    scale, own = sums.scale[start:end], share[start:end]
+    for k in range(density.size):
+        density[k] = density[k] * scale[k] / own[k] if own[k] > LEAST_SHARE else ZERO
     for region in range(REGIONS):
-        part, squares = share[min(sums.edges[region, 0], end) : min(sums.edges[region, 1], end)], ZERO
+        part, squares = share[_within(sums, region, start, end)], ZERO
         for k in range(part.size):
             squares += part[k] * part[k]
         sums.piece[region, ALL] += squares
-    if sums.ends[3] >= LEAST_PLANES:
+    if sums.planes[0] >= LEAST_PLANES:
         _compare_planes(sums, (slot + 1) % 3, (slot + 2) % 3, slot)
+
+
+@inlined_uncounted
+def _within(sums, region, start, end):
+    """Bins of a region from a bin to another."""
+    return slice(min(max(sums.edges[region, 0], start), end), min(max(sums.edges[region, 1], start), end))
 
 
 @inlined_uncounted
@@ -185,13 +199,13 @@ def _find_end(steps, reach, size):
 @inlined_uncounted
 def _compare_planes(sums, before, middle, after):
     """Compare three planes that follow one another."""
-    azimuth, edges, squares, piece = sums.azimuth, sums.edges, sums.squares, sums.piece
+    azimuth, squares, piece = sums.azimuth, sums.squares, sums.piece
     nearer = np.float32((azimuth[after] - azimuth[middle]) / (azimuth[after] - azimuth[before]))
     farther = np.float32(1.0) - nearer
     end = min(sums.ends[before], sums.ends[middle], sums.ends[after])
     for region in range(REGIONS):
         # Slices, because loops from a bin that may be negative are not vectorised.
-        part = slice(min(edges[region, 0], end), min(edges[region, 1], end))
+        part = _within(sums, region, sums.planes[1], end)
         a, b, c = sums.density[before][part], sums.density[middle][part], sums.density[after][part]
         u, v, w = sums.share[before][part], sums.share[middle][part], sums.share[after][part]
         own = squares[part]
@@ -226,7 +240,7 @@ def _end_piece(sums):
             sums.sums[region, MISSED] += variance_factor(piece[FIRST], piece[SECOND]) * missed
             sums.sums[region, COMPARED] += shares
     sums.piece[:, :] = 0.0
-    sums.ends[3] = 0
+    sums.planes[0] = 0
 
 
 @inlined_uncounted

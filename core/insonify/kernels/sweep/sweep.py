@@ -8,7 +8,7 @@ afterwards; their change within a bin enters by the shares of each step. Derived
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -64,6 +64,11 @@ class AzimuthFan(NamedTuple):
     near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
     reach: NDArray[np.float64]  # greatest ground range in the plane inside the beam, per metre of that height
     apart: NDArray[np.bool_]  # whether a border of a target lies between the plane and the one before it
+
+    def take(self, which: Any) -> "AzimuthFan":
+        """Return some of the planes, by a mask, by their places or by a slice."""
+        columns: list[Any] = [np.ascontiguousarray(column[which]) for column in self]
+        return AzimuthFan(*columns)
 
 
 class SweepWorkspace(NamedTuple):
