@@ -162,8 +162,10 @@ class Simulation(PackedScene):
         pings = np.asarray(pings, dtype=np.int64)
         return self.labels(self.poses(pings))[0]
 
-    def labels(self, poses: Poses, *, targets_alone: bool = False) -> tuple[RecordLabels, TracedPings]:
-        """Label every range bin of pings at given poses, as `truth` does; return the sweep's echoes too.
+    def labels(
+        self, poses: Poses, *, traced: bool = False, targets_alone: bool = False
+    ) -> tuple[RecordLabels, TracedPings]:
+        """Label every range bin of pings at given poses, as `truth` does; return the echoes too if they are traced.
 
         With ``targets_alone`` pings that show the bed alone are not labelled with its places.
         """
@@ -176,9 +178,10 @@ class Simulation(PackedScene):
 
             def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
                 volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-                echoes, squares = new_record(tile, some), empty_squares(some.x.size)
+                echoes = new_record(tile, some) if traced else None
+                squares = empty_squares(some.x.size)
                 labels = trace_labels(tile, some, volumes=volumes, echoes=echoes, squares=squares, **own)
-                return (*labels, echoes, squares)
+                return (*labels, squares if echoes is None else echoes, squares)
 
             found: tuple[Any, ...] = self.tiles.map(label_tile, self.reduced, take_poses(poses, places))
             return found
@@ -227,8 +230,9 @@ class Simulation(PackedScene):
         """Intensity of some pings and its estimated errors, and their labels if requested."""
         columns: Columns = {}
         if truth:
-            labels, traced = self.labels(poses, targets_alone=truth == "targets")
-            columns = {name: getattr(labels, name) for name in (OF_TARGETS if truth == "targets" else labels._fields)}
+            alone = truth == "targets"
+            labels, traced = self.labels(poses, traced=self._traces_by_labelling, targets_alone=alone)
+            columns = {name: getattr(labels, name) for name in (OF_TARGETS if alone else labels._fields)}
         if not (truth and self._traces_by_labelling):
             traced = self.trace_pings(poses)
         errors = self.errors(traced)

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import takewhile
 
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import FINENESS, Case, Choice
+from insonify.planning.choices.base import FINENESS, GRID, Case, Choice
 from insonify.planning.choices.fineness import Planes
 from insonify.planning.plan_entries import Plan
 from insonify.scene import Scene, SceneError
@@ -125,27 +126,29 @@ def _requested(method: str, forced: Mapping[str, str]) -> str:
 
 
 def _cheapest(case: Case, tolerance: float) -> Model:
-    """Model of the coarsest setting of each choice with an error within its share of the tolerance."""
+    """Model of the least work among the settings of each choice with an error within its share of the tolerance."""
     # Shares are fixed, so that more tolerance never means more work, and errors of unlike kinds add up by squares.
     model = Model()
     for choice in STAGED:
         most = (OF_PLANES if choice.stage == FINENESS else OF_A_CHOICE) * tolerance
-        model = _coarsest(case, choice, model, most, tolerance)
+        model = _choose(case, choice, model, most, tolerance)
         choice.require(case, model)
     return model
 
 
-def _coarsest(case: Case, choice: Choice, model: Model, most: float, tolerance: float) -> Model:
-    """Model with the coarsest setting of a choice that can be simulated and errs little enough."""
-    if choice is PLANES and len(counts := PLANES.settings(case, model)) > 1:
-        return model._replace(planes=PLANES.law(case, model).cheapest(counts, most))
-    *coarser, finest = (model._replace(**{choice.field: value}) for value in choice.settings(case, model))
+def _choose(case: Case, choice: Choice, model: Model, most: float, tolerance: float) -> Model:
+    """Model with the setting of one choice."""
+    values = choice.settings(case, model)
+    if choice is PLANES and len(values) > 1:
+        return model._replace(planes=PLANES.law(case, model).cheapest(values, most))
+    *coarser, finest = (model._replace(**{choice.field: value}) for value in values)
+    if choice.stage == GRID:  # coarser nodes make longer segments, which may take more work
+        enough = takewhile(lambda one: choice.error(case, one) <= most, reversed(coarser))
+        return min((*reversed([*enough]), finest), key=case.work)
     if coarser and not _is_able(case, choice, finest):
         most = tolerance
-    for one in coarser:
-        if _is_able(case, choice, one) and choice.error(case, one) <= most:
-            return one
-    return finest
+    able = (one for one in coarser if _is_able(case, choice, one) and choice.error(case, one) <= most)
+    return next(able, finest)
 
 
 def _is_able(case: Case, choice: Choice, model: Model) -> bool:
