@@ -43,6 +43,11 @@ class Plan:
     cost: float = field(default=0.0, compare=False)  # seconds per ping on this machine, both sides on one thread
 
     @property
+    def near_error(self) -> float:
+        """Measured error over all bins from the first return: the tolerance holds there as well."""
+        return self.error
+
+    @property
     def method(self) -> str:
         """Name of the tracer."""
         return self.model.method

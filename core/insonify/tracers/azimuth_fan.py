@@ -15,11 +15,13 @@ from insonify.arrays import Floats, Integers
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import highest_place
+from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
     TargetSectors,
     divide_at_targets,
+    find_pings_met,
     find_pings_to_divide,
     find_target_sectors,
     has_bodies,
@@ -58,16 +60,20 @@ def lay_planes(
     if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
         return laid
     sectors, height = find_target_sectors(arrays, poses, across), np.maximum(poses.z - arrays.bed.low, LOWEST)
-    divided = []
-    # One plane stands for the whole beam, which it cannot share with others.
-    for places, fan in _lay_alike(arrays, poses, max(planes, 2), laid_at, divided=True):
+    own: list[tuple[Integers, AzimuthFan]] = []
+    # One plane stands for a whole beam that meets no target.
+    for places, fan in _lay_alike(arrays, poses, planes if planes > 1 else LEAST_PLANES, laid_at, divided=True):
         of_fan = TargetSectors(*(column[places] for column in sectors))
-        for ping in places[find_pings_to_divide(fan, of_fan, height[places])]:
-            divided.append((np.array([ping]), divide_at_targets(fan, sectors, ping, height, across)))
-    if not divided:
+        divided = places[find_pings_to_divide(fan, of_fan, height[places])]
+        own += [(np.array([ping]), divide_at_targets(fan, sectors, ping, height, across)) for ping in divided]
+        if planes == 1:
+            met = np.setdiff1d(places[find_pings_met(arrays, take_poses(poses, places), fan)], divided)
+            own += [(met, fan)] if met.size > 0 else []
+    if not own:
         return laid
-    others = ((np.setdiff1d(places, np.concatenate([ping for ping, _ in divided])), fan) for places, fan in laid)
-    return [*((places, fan) for places, fan in others if places.size > 0), *divided]
+    taken = np.concatenate([places for places, _ in own])
+    others = ((np.setdiff1d(places, taken), fan) for places, fan in laid)
+    return [*((places, fan) for places, fan in others if places.size > 0), *own]
 
 
 def _lay_alike(

@@ -24,8 +24,9 @@ DIRECTIONS = 32  # in which the outline of a mesh is found
 BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond it at most, per metre of its breadth
 COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
+CORNERS = 4  # of a solid from above
 LEAST = 1e-9  # rad, by which edges of sectors differ
-AT_EDGE = 0.02  # share of a plane's width within which an end of a target is at its edge
+AT_EDGE = 1e-4  # share of a plane's width within which an end of a target is at its edge
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
@@ -147,7 +148,7 @@ def find_planes_to_divide(fan: AzimuthFan, sectors: TargetSectors, pings: slice,
     a, b, step, nearest = (column[pings, None, :] for column in sectors)
     reached = (nearest <= fan.reach[:, None] * height[pings, None, None]) & np.isfinite(step)
     is_wide = (low < b) & (high > a) & (high - low > (1.0 + LEAST) * step)
-    # An end that lies closer to the edge of a plane misplaces less than that plane errs within itself.
+    # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
     inward = AT_EDGE * (high - low)
     holds_end = ((low + inward < a) & (a < high - inward)) | ((low + inward < b) & (b < high - inward))
     return np.asarray((is_wide | holds_end) & reached)
@@ -254,14 +255,20 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: Floats) -> _Outlines:
 
 
 def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Floats, Floats, Floats, Integers, list[Floats]]:
-    """Points at the ends of solids and then about meshes: x, y, radii of the ends, first point of each, hulls."""
-    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
+    """Points about solids and then about meshes: x, y, radii about the points, first point of each body, hulls."""
+    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1)
     radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
+    # Seen from above the flat end of a body is as wide as the body across its axis, and as deep as the axis is steep.
+    level = np.hypot(solids.axis[:, 0], solids.axis[:, 1])
+    flat = np.where((solids.length > 0.0) & (level > LEAST), radius / np.maximum(level, LEAST), 0.0)
+    aside = flat[:, None] * np.column_stack([-solids.axis[:, 1], solids.axis[:, 0]])
+    corners = np.concatenate([ends[:, :, :2] + aside[:, None], ends[:, :, :2] - aside[:, None]], axis=1)
+    about = np.where(flat > 0.0, radius * np.abs(solids.axis[:, 2]), radius)
     hulls = [_hull_from_above(mesh.corners[mesh.target == target]) for target in np.unique(mesh.target)]
-    points = np.concatenate([ends[:, :2], *hulls])
-    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    points = np.concatenate([corners.reshape(-1, 2), *hulls])
+    sizes = [CORNERS] * radius.size + [len(hull) for hull in hulls]
     first = np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64)
-    return points[:, 0], points[:, 1], np.repeat(radius, 2), first, hulls
+    return points[:, 0], points[:, 1], np.repeat(about, CORNERS), first, hulls
 
 
 def _hull_from_above(corners: Floats) -> Floats:
