@@ -25,6 +25,7 @@ from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 from insonify.tracers import sweep
+from insonify.tracers.azimuth_fan import lay_planes
 from random_scenes import planned_scene
 
 DEFAULT = load_scene("default")
@@ -61,21 +62,31 @@ GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}
         ({}, {"seabed.relief.beta": 1.0}, "planes"),
         ({}, {"seabed.relief.rms": 0.2}, "planes"),
         ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}, "planes"),
-        (GLINT, {"targets.0.material": "steel"}, "across"),
     ],
 )
-def test_more_detail_across_a_wider_beam_and_a_glint_need_more_planes(less, more, setting):
+def test_more_detail_across_a_wider_beam_needs_more_planes(less, more, setting):
     before = edit(BARE, less)
     assert getattr(plan(edit(before, more)).model, setting) > getattr(plan(before).model, setting)
 
 
-def test_planes_between_two_doublings_are_judged_by_twice_as_many():
+def test_a_glint_takes_more_planes_of_its_own_pings():
+    def planes(changes):
+        simulation = prepare(edit(BARE, GLINT | changes))
+        poses = simulation.poses(np.arange(240, 272, 4))
+        laid = lay_planes(simulation.reduced, poses, **simulation.plan.settings)
+        return sum(places.size * fan.azimuth.size for places, fan in laid)
+
+    assert planes({"targets.0.material": "steel"}) > planes({})
+
+
+@pytest.mark.parametrize("planes", [5, 7, 12])
+def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes):
     packed = pack(load_scene("ripples"))
-    made = choose_model(packed, 0.03, "auto", {"planes": "7"})
-    assert made.entry("planes").reason.startswith("7 and 14 planes differ by")
+    made = choose_model(packed, 0.03, "auto", {"planes": str(planes)})
+    assert made.entry("planes").reason.startswith("4 and 16 planes differ by")
     poses = make_poses(packed.scene, packed.ground, spread_over_track(packed.scene, 16))
-    seven, many = (trace_model(packed, made.model._replace(planes=planes), poses) for planes in (7, 256))
-    missed = compare_records(packed.arrays, poses, seven, many).beyond
+    some, many = (trace_model(packed, made.model._replace(planes=count), poses) for count in (planes, 256))
+    missed = compare_records(packed.arrays, poses, some, many).beyond
     assert 0.7 * missed < made.entry("planes").error < 1.4 * missed
 
 
