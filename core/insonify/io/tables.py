@@ -60,10 +60,11 @@ SECONDS: Units = (
     ("hr?s?|hours?", 3600.0, 0.0),
     ("d(ays?)?|juliandays?", DAY, 0.0),
 )
-DEGREES: Units = (("deg(ree)?s?(true|[ten])?", 1.0, 0.0), ("rad(ian)?s?", 180.0 / np.pi, 0.0))
+DEGREES: Units = (("deg(ree)?s?[en]?", 1.0, 0.0), ("rad(ian)?s?", 180.0 / np.pi, 0.0))
+COMPASS: Units = (*DEGREES, ("(deg(ree)?s?)?(t|true)", 1.0, 0.0))
 FOREIGN: Units = (("kn|kts?|knots?|volts?|v|counts?|hz|pulses", 1.0, 0.0),)
-ALL_UNITS = (METRES, DECIBARS, SPEED, CELSIUS, SALINITY, SECONDS, DEGREES, FOREIGN)
-OTHERWISE = {"depth": "pressure", "pressure": "depth"}  # what a column in units of the other is
+ALL_UNITS = (METRES, DECIBARS, SPEED, CELSIUS, SALINITY, SECONDS, COMPASS, FOREIGN)
+OTHERWISE = {"depth": "pressure", "pressure": "depth", "heading": "compass"}  # what a column in units of the other is
 
 
 class Quantity(NamedTuple):
@@ -164,12 +165,9 @@ def read_table(
         return None
     text = [line for line in lines[header.line + 1 :] if line.strip(" ,;\t")]
     # The rows may be parted by another mark than the header.
-    marks = (
-        mark
-        for mark in (header.mark, *MARKS)
-        if any(np.isfinite(read_numbers(split_cells(line, mark))).sum() > 1 for line in text)
-    )
-    mark = next(marks, header.mark)
+    last = max(header.places.values())
+    fit = (mark for mark in (header.mark, *MARKS) if any(len(split_cells(line, mark)) > last for line in text))
+    mark = next(fit, header.mark)
     below = [split_cells(line, mark) for line in text]
     first = next((row for row, cells in enumerate(below) if any(np.isfinite(number(cell)) for cell in cells)), 0)
     units = dict(header.units)
@@ -194,12 +192,15 @@ def read_table(
 
 
 def _check_width(header: _Header, rows: Sequence[Sequence[str]]) -> None:
-    """Raise FileFault where rows have twice as many cells as names: commas part columns and decimals alike."""
+    """Raise FileFault where commas part columns and stand within numbers too."""
     widths = [sum(cell != "" for cell in cells) for cells in rows]
-    if header.mark == "," and widths and np.median(widths) == 2 * header.width and header.width > 1:
-        fault = (
-            f"has {2 * header.width} numbers a row below {header.width} names: commas within numbers and between them"
-        )
+    if (
+        header.mark == ","
+        and widths
+        and np.median(widths) > header.width
+        and not any("." in "".join(row) for row in rows)
+    ):
+        fault = f"has {np.median(widths):g} numbers a row below {header.width} names: commas within and between numbers"
         raise FileFault(fault, "export it with semicolons between columns, or with decimal points")
 
 

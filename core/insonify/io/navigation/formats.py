@@ -10,6 +10,7 @@ from insonify.io.navigation import LIMITS, Columns
 from insonify.io.records import read_record
 from insonify.io.records.netcdf import check_variables
 from insonify.io.tables import (
+    COMPASS,
     DEGREES,
     METRES,
     SECONDS,
@@ -33,7 +34,7 @@ QUANTITIES = {
         for name, names in (("x", "x|easting"), ("y", "y|northing"), ("depth", "depth"), ("altitude", "altitude"))
     },
     **{
-        name: Quantity(f"{OF}({names})", "°", DEGREES, read_degrees)
+        name: Quantity(f"{OF}({names})", "°", COMPASS if name == "compass" else DEGREES, read_degrees)
         for name, names in (
             ("heading", "heading"),
             ("compass", "compass|hdg|hdt|gyro|trueheading|headingtrue|compassheading"),

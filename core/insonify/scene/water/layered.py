@@ -234,10 +234,13 @@ class CastWater(WaterKind, kind="cast", rank=40):
         kept = thin_polyline(cast.depth, speed, CAST_TOLERANCE)
         return speeds_by_depth(cast.depth[kept], speed[kept])
 
+    def remarks(self) -> tuple[str, ...]:
+        """Rows of the file that are left out, and why."""
+        return _read_cast_once(self.path).remarks
+
     def describe_limits(self, frequency: float) -> Iterator[str]:
-        """Describe rows that are left out, and measurements outside the range of the equation of sound speed."""
+        """Describe measurements outside the range of the equation of sound speed, where one is used."""
         cast = _read_cast_once(self.path)
-        yield from (f"cast: {remark}" for remark in cast.remarks)
         if cast.temperature is not None and cast.salinity is not None and (self.equation or cast.sound_speed is None):
             yield from describe_range(self.equation or "teos10", cast.temperature, cast.salinity, cast.depth)
 
