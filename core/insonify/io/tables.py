@@ -18,7 +18,7 @@ from insonify.io.file_access import FileFault
 MARKS = ("\t", ";", ",", None)  # between columns; None: spaces
 LONGEST_PREAMBLE = 2000  # lines before the header
 DAY = 86400.0  # s
-CLOCK = re.compile(r"(\d+):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([ap]m)?", re.IGNORECASE)
+CLOCK = re.compile(r"(\d+):(\d\d?)(?::(\d\d?(?:[.,]\d+)?))?\s*([ap]m)?", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 GROUPED = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(\.\d{3})+,\d+)")  # 1,500.2 or 1.500,2
 
