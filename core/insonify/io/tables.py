@@ -8,6 +8,7 @@ import csv
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import UTC, datetime
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,9 @@ from insonify.arrays import Floats
 from insonify.io.file_access import FileFault
 
 MARKS = ("\t", ";", ",", None)  # between columns; None: spaces
-LONGEST_PREAMBLE = 2000  # lines before the header
+LONGEST_PREAMBLE, LONGEST_HEADER, LONGEST_NAME = 2000, 10_000, 200  # lines before a header, its characters, a name's
 DAY = 86400.0  # s
-CLOCK = re.compile(r"(\d+):(\d\d?)(?::(\d\d?(?:[.,]\d+)?))?\s*([ap]m)?", re.IGNORECASE)
+CLOCK = re.compile(r"(\d{1,4}):(\d\d?)(?::(\d\d?(?:[.,]\d+)?))?\s*([ap]m)?", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 GROUPED = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(\.\d{3})+,\d+)")  # 1,500.2 or 1.500,2
 
@@ -210,14 +211,16 @@ def _find_header(
     """Find the last sufficient header before the first row of numbers below one."""
     found: _Header | None = None
     for number_of_line, line in enumerate(lines[:LONGEST_PREAMBLE]):
-        if not re.search("[A-Za-z]", line):
+        if not re.search("[A-Za-z]", line) or len(line) > LONGEST_HEADER:
             if found is not None and line.strip(" ,;\t"):
                 break
             continue
-        bare = re.sub(r"^([\s#%*!]*)(columns=)?", "", line, flags=re.IGNORECASE)
+        bare = re.sub(r"(?i)^[\s#%*!]*(columns=)?", "", line)
         for mark in MARKS:
             # Names of several words, and units after a space, are one cell.
-            joined = re.sub(r"(?i)\s+(?=[\[(]|of\s)|(?<=\bsound)\s+|(?<=\bof)\s+", "_", bare) if mark is None else bare
+            joined = bare
+            if mark is None:
+                joined = re.sub(r"(?i) (?=[\[(]|of )|(?<=\bsound) |(?<=\bof) ", "_", " ".join(bare.split()))
             header = _read_header(number_of_line, split_cells(joined, mark), mark, quantities)
             if suffices(header.places.keys()) and (
                 mark is not None or _is_as_wide(lines[number_of_line + 1 :], header)
@@ -249,19 +252,22 @@ def _read_header(line: int, cells: list[str], mark: str | None, quantities: Mapp
 
 def _name_and_unit(cell: str, quantities: Mapping[str, Quantity]) -> tuple[str, str]:
     """Quantity and unit of the cell of a header, each empty if there is none."""
+    if len(cell) > LONGEST_NAME:
+        return "", ""
     named = re.match(r"([^\[({;]*)[\[({;]([^\])}]*)", cell)
     if named:
-        return _named(named[1], quantities), _unit(named[2])
-    if whole := _named(cell, quantities):
+        return quantity_of(named[1], quantities), _unit(named[2])
+    if whole := quantity_of(cell, quantities):
         return whole, ""
-    for place in re.finditer(r"[ _/,-]+(in[ _])?", cell):  # a unit behind the name: depth_m, Depth in ft
-        name, unit = _named(cell[: place.start()], quantities), _unit(cell[place.end() :])
+    for place in islice(re.finditer(r"[ _/,-]+(in[ _])?", cell), 4):  # a unit behind the name: depth_m, Depth in ft
+        name, unit = quantity_of(cell[: place.start()], quantities), _unit(cell[place.end() :])
         if name and unit:
             return name, unit
     return "", ""
 
 
-def _named(name: str, quantities: Mapping[str, Quantity]) -> str:
+def quantity_of(name: str, quantities: Mapping[str, Quantity]) -> str:
+    """Quantity that a name without a unit stands for, empty if there is none."""
     bare = re.sub("[^a-z0-9]", "", name.lower())
     return next((each for each, quantity in quantities.items() if re.fullmatch(quantity.names, bare)), "")
 

@@ -1,5 +1,6 @@
 """Formats of recorded navigation: text, GPX tracks, records and recordings."""
 
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,6 +16,7 @@ from insonify.io.tables import (
     METRES,
     SECONDS,
     Quantity,
+    quantity_of,
     read_degrees,
     read_numbers,
     read_table,
@@ -82,8 +84,10 @@ def read_platform(path: str) -> Columns:
     import netCDF4  # slow to import, and only recorded tracks need it
 
     with netCDF4.Dataset(path) as file:
-        found = {name.removeprefix("platform_").removeprefix("ping_"): each for name, each in file.variables.items()}
-        found = {name: found[name] for name in LIMITS if name in found}
+        named: dict[str, Any] = {}
+        for name, variable in file.variables.items():
+            named.setdefault(quantity_of(name, QUANTITIES), variable)
+        found = {name: named[name] for name in LIMITS if name in named}
         check_variables(path, found.values())
         return {
             name: np.ma.filled(np.ma.asarray(column[:], dtype=np.float64), np.nan).ravel()

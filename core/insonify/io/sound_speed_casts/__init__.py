@@ -124,8 +124,9 @@ def _choose_rows(columns: Columns, used: tuple[str, ...]) -> tuple[Integers, lis
         rows = _without(rows, ~possible, fault, name, columns, causes)
     rows = _without(rows, find_spikes("depth", depth[rows], None), "a spike of depth", "depth", columns, causes)
     if rows.size:
-        time = columns.get("time")
-        cut, wait = _way_down(depth[rows], None if time is None else time[rows])
+        time = columns.get("time", np.full(depth.shape, np.nan))[rows]
+        known = np.isfinite(time)
+        cut, wait = _way_down(depth[rows], np.interp(rows, rows[known], time[known]) if known.any() else None)
         below = rows[cut]
         before, after = int((rows < below[0]).sum()), int((rows > below[-1]).sum())
         causes += [f"{before} before the descent{wait}"] if before else []
@@ -179,7 +180,7 @@ def _way_down(depth: Floats, time: Floats | None) -> tuple[slice, str]:
     if depth[deepest] - depth[start] < DESCENT * (depth.max() - depth.min()) or deepest == start:
         return slice(None), ""
     wait = ""
-    if time is not None and np.isfinite(time).all():
+    if time is not None:
         soaked, wait = _after_soak(depth[start : deepest + 1], time[start : deepest + 1])
         start += soaked
     return slice(start, deepest + 1), wait

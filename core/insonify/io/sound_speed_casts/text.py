@@ -40,6 +40,7 @@ BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 FEET_A_SECOND = tuple(speed / FOOT for speed in PLAUSIBLE["sound_speed"])
 # Units of length in the heading of a profile, in metres.
 LENGTHS = ((r"feet|foot|ft", FOOT), (r"fathoms?", 1.8288))
+OF_DEPTHS = r"(?:^|[,;:=(\[]|\b(?:in|depths?|units?)\b)\s*(?:{})\s*(?:$|[,;)\]])"  # a unit alone, or named as one
 LOG_REMEDY = "export it as CSV with the columns depth and sound_speed"
 NAMES_REMEDY = "put a line with the names of the columns first, depth and sound_speed among them"
 OF = "(water|sea|insitu|measured|corrected|calc(ulated)?|sensor|instrument|average|mean|ctd|probe)?"
@@ -85,7 +86,7 @@ def _table(text: str, names: list[str]) -> Floats:
         if len(cells) != len(names) and len(line.rstrip()) == WIDTH * len(names):
             cells = [line[k : k + WIDTH] for k in range(0, WIDTH * len(names), WIDTH)]
         try:
-            rows.append([float(cell) for cell in cells])
+            rows.append([float(cell.replace(",", ".")) for cell in cells])
         except ValueError:
             raise FileFault(f"has no numbers in line {number}", "convert the cast again") from None
         if len(cells) != len(names):
@@ -156,8 +157,10 @@ def read_profile(path: str) -> Columns:
 
 def _in_metres(depth: Floats, speed: Floats, lines: Sequence[str]) -> Columns:
     """Convert depths by the unit in the heading, and speeds in feet per second."""
-    heading = " ".join(line for line in lines if re.search("[A-Za-z]", line))
-    found = [metres for unit, metres in LENGTHS if re.search(rf"(?<![a-z])({unit})(?![a-z/])", heading, re.IGNORECASE)]
+    heading = "\n".join(line for line in lines if re.search("[A-Za-z]", line))
+    found = [
+        metres for unit, metres in LENGTHS if re.search(OF_DEPTHS.format(unit), heading, re.IGNORECASE | re.MULTILINE)
+    ]
     in_feet = FEET_A_SECOND[0] <= np.median(speed) <= FEET_A_SECOND[1]
     if in_feet and not found:
         fault = f"has sound speeds about {np.median(speed):.4g}, which are in ft/s, beside depths of an unknown unit"
@@ -173,7 +176,7 @@ def _rows(columns: Columns) -> Columns:
     """Rows that have any number beside the time; depth is derived from pressure where the file lacks it."""
     columns = dict(columns)
     used = np.any([np.isfinite(column) for name, column in columns.items() if name != "time"], axis=0)
-    if "depth" not in columns and "pressure" in columns:
+    if "pressure" in columns and not np.nan_to_num(columns.get("depth", np.zeros(1))).any():
         columns["depth"] = depth_of_pressure(columns["pressure"])
     columns.pop("pressure", None)
     return {name: column[used] for name, column in columns.items()}
