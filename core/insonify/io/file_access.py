@@ -122,7 +122,7 @@ def read_text(path: str | Path, encoding: str = "utf-8-sig", largest: int = LARG
         raise FileFault(f"is a text of more than {largest // 10**6} MB", "thin it")
     if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):  # as some programs on Windows export tables
         encoding = "utf-16"
-    return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+    return content.removeprefix(codecs.BOM_UTF8).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def largest_expansion(path: str | Path) -> int:

@@ -18,6 +18,7 @@ from insonify.io.file_access import FileFault
 
 MARKS = ("\t", ";", ",", None)  # between columns; None: spaces
 LONGEST_PREAMBLE, LONGEST_HEADER, LONGEST_NAME = 2000, 10_000, 200  # lines before a header, its characters, a name's
+MOST_NAMES = 50_000  # cells that are tried as names
 DAY = 86400.0  # s
 CLOCK = re.compile(r"(\d{1,4}):(\d\d?)(?::(\d\d?(?:[.,]\d+)?))?\s*([ap]m)?", re.IGNORECASE)
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
@@ -210,10 +211,11 @@ def _find_header(
 ) -> _Header | None:
     """Find the last sufficient header before the first row of numbers below one."""
     found: _Header | None = None
+    tried = 0
     for number_of_line, line in enumerate(lines[:LONGEST_PREAMBLE]):
-        if not re.search("[A-Za-z]", line) or len(line) > LONGEST_HEADER:
-            if found is not None and line.strip(" ,;\t"):
-                break
+        if found is not None and _has_numbers(line, found):
+            break
+        if not re.match(r"[^\w.+-]*[A-Za-z]", line) or len(line) > LONGEST_HEADER:
             continue
         bare = re.sub(r"(?i)^[\s#%*!]*(columns=)?", "", line)
         for mark in MARKS:
@@ -221,13 +223,22 @@ def _find_header(
             joined = bare
             if mark is None:
                 joined = re.sub(r"(?i) (?=[\[(]|of )|(?<=\bsound) |(?<=\bof) ", "_", " ".join(bare.split()))
-            header = _read_header(number_of_line, split_cells(joined, mark), mark, quantities)
+            cells = split_cells(joined, mark)
+            tried += len(cells)
+            if tried > MOST_NAMES:
+                return found
+            header = _read_header(number_of_line, cells, mark, quantities)
             if suffices(header.places.keys()) and (
                 mark is not None or _is_as_wide(lines[number_of_line + 1 :], header)
             ):
                 found = header
                 break
     return found
+
+
+def _has_numbers(line: str, header: _Header) -> bool:
+    cells = split_cells(line, header.mark)
+    return any(np.isfinite(number(cells[place])) for place in header.places.values() if place < len(cells))
 
 
 def _is_as_wide(below: Sequence[str], header: _Header) -> bool:
@@ -256,12 +267,13 @@ def _name_and_unit(cell: str, quantities: Mapping[str, Quantity]) -> tuple[str, 
         return "", ""
     named = re.match(r"([^\[({;]*)[\[({;]([^\])}]*)", cell)
     if named:
-        return quantity_of(named[1], quantities), _unit(named[2])
+        name = quantity_of(named[1], quantities)
+        return name, _unit(named[2]) if name else ""
     if whole := quantity_of(cell, quantities):
         return whole, ""
     for place in islice(re.finditer(r"[ _/,-]+(in[ _])?", cell), 4):  # a unit behind the name: depth_m, Depth in ft
-        name, unit = quantity_of(cell[: place.start()], quantities), _unit(cell[place.end() :])
-        if name and unit:
+        name = quantity_of(cell[: place.start()], quantities)
+        if name and (unit := _unit(cell[place.end() :])):
             return name, unit
     return "", ""
 

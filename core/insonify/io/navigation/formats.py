@@ -65,7 +65,7 @@ def read_csv(path: str) -> Columns:
 
 def read_gpx(path: str) -> Columns:
     """Read time, longitude and latitude of the points of all tracks of a file, in their order."""
-    text = read_text(path, "latin-1").lstrip("\u00ef\u00bb\u00bf")  # numbers and times are the same in UTF-8
+    text = read_text(path, "latin-1")  # numbers and times are the same in UTF-8
     if "<!" in text.replace("<!--", "").replace("<![CDATA[", ""):  # entities can grow without bound
         raise FileFault("declares a document type", GPX_REMEDY)
     points = [each for each in ElementTree.fromstring(text).iter() if each.tag.rpartition("}")[2] == "trkpt"]

@@ -36,7 +36,6 @@ CLOCKS = {"timeS": 1.0, "timeM": 60.0, "timeH": 3600.0, "timeJ": 86400.0, "timeK
 CONDUCTIVITY = {"mS/cm": 1.0, "uS/cm": 1e-3, "S/m": 10.0}  # in mS/cm
 IPTS68 = 1.00024  # degrees on IPTS-68 per degree on ITS-90 (Saunders 1990)
 FOOT, PSI = 0.3048, 0.6894757  # m, dbar
-BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 FEET_A_SECOND = tuple(speed / FOOT for speed in PLAUSIBLE["sound_speed"])
 # Units of length in the heading of a profile, in metres.
 LENGTHS = ((r"feet|foot|ft", FOOT), (r"fathoms?", 1.8288))
@@ -184,9 +183,7 @@ def _rows(columns: Columns) -> Columns:
 
 def read_csv(path: str) -> Columns:
     """Read a table with a header of column names, or a table without one, by the values in its columns."""
-    lines = [
-        line for line in read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines() if line.strip(" ,;\t")
-    ]
+    lines = [line for line in read_text(path, ENCODING).splitlines() if line.strip(" ,;\t")]
     table = read_table(lines, QUANTITIES, _sufficient)
     first = next((line for line in lines if line[0] not in "#%"), "")
     if table is None and re.search("[A-Za-z]", first):
