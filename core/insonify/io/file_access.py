@@ -1,5 +1,6 @@
 """Access to files of unknown origin: regular files only, bounded sizes, errors of libraries in one sentence."""
 
+import codecs
 import difflib
 import errno
 import glob
@@ -8,7 +9,7 @@ import os
 import stat
 import threading
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -51,6 +52,12 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
         warnings.warn(warning.message, stacklevel=4)
+
+
+def warn_of_file(path: str, remarks: Iterable[str]) -> None:
+    """Warn of what is doubtful in a file that is used, in one line."""
+    if sentence := "; ".join(remarks):
+        warnings.warn(FileWarning(f"{path}: {sentence}"), stacklevel=3)
 
 
 def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collection[str], largest: int) -> str:
@@ -113,7 +120,9 @@ def read_text(path: str | Path, encoding: str = "utf-8-sig", largest: int = LARG
         content = file.read(largest + 1)
     if len(content) > largest:
         raise FileFault(f"is a text of more than {largest // 10**6} MB", "thin it")
-    return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+    if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):  # as some programs on Windows export tables
+        encoding = "utf-16"
+    return content.removeprefix(codecs.BOM_UTF8).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def largest_expansion(path: str | Path) -> int:
