@@ -1,7 +1,7 @@
 """Readers run in a process of their own, which may be killed: limits of time and memory, and no harm from a crash.
 
-GDAL, netCDF and trimesh read formats of great complexity. A damaged file can make them crash, loop, allocate without
-bound, or write to the terminal past Python.
+GDAL and netCDF read formats of great complexity, and meshes may be huge. A damaged file can make a reader crash, loop,
+allocate without bound, or write to the terminal past Python.
 """
 
 import atexit
