@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 
+import netCDF4
 import numpy as np
 import pyproj
 import pytest
@@ -123,10 +124,10 @@ def test_samples_have_north_at_the_end(name, shape):
 
 
 def test_every_bad_file_is_told_in_one_sentence(tmp_path):
-    for name in ("text.tif", "text.asc", "text.bag", "text.npy", "text.npz"):
+    for name in ("text.tif", "text.asc", "text.bag", "text.h5", "text.npy", "text.npz"):
         (tmp_path / name).write_text("not a grid")
     (tmp_path / "empty.npy").write_bytes(b"")
-    for name in ("bed.xyz", "bed.nc", "bed.grd", "bed.h5"):
+    for name in ("bed.xyz", "bed.nc", "bed.grd"):
         (tmp_path / name).write_text("1 2 3")
     write_tiff(tmp_path / "nought.tif", sloped(3, 3), band={"scales": (0.0,)}, **UTM)
     packed = [[-3000, -3100], [-32768, -3050]]
@@ -149,7 +150,7 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
     np.save(tmp_path / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
     for expected, names in {
         "does not exist; give": "absent.tif",
-        "cannot be read .*; give a valid": "text.tif text.asc text.bag",
+        "cannot be read .*; give a valid": "text.tif text.asc text.bag text.h5",
         "cannot be read .*; save it": "text.npy text.npz empty.npy object.npy",
         "is not a format known here; give a file that ends in one of": "bed.xyz",
         "holds no valid height; check": "nan.asc nothing.npy nodata.tif",
@@ -162,7 +163,6 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
         "is in degrees beyond the poles; georeference it again": "degrees.tif",
         r"names no unit of its heights, on a map in US survey foot; name it, for example with rio": "feet.tif",
         "is in the format netCDF grid, which is not read here; convert it to GeoTIFF": "bed.nc bed.grd",
-        "is in the format S-102, which is not read here; convert it to GeoTIFF": "bed.h5",
         "has 1 cells of -32768, which it does not declare as nodata": "packed.tif",
         "declares a scale of 0 and an offset of 0; correct them, for example with gdal_edit.py": "nought.tif",
         "holds complex64 values; save": "waves.tif",
@@ -301,6 +301,32 @@ def test_depths_that_a_tag_declares_may_dry_and_numbers_in_degrees_are_scaled_to
     heights = read_grid(str(path)).heights
     assert heights[np.isfinite(heights)] == pytest.approx(-25.0 * FOOT)
     assert 0.005 < np.isnan(heights).mean() < 0.6
+
+
+def test_s102_holds_depths_from_the_south(tmp_path):
+    """Written as S-100 lays out its HDF5."""
+    with netCDF4.Dataset(tmp_path / "bed.h5", "w") as file:
+        file.setncatts({"productSpecification": "INT.IHO.S-102.2.2", "horizontalCRS": np.int32(32633)})
+        file.createGroup("Group_F")
+        coverage = file.createGroup("BathymetryCoverage").createGroup("BathymetryCoverage.01")
+        sides = {"gridSpacingLongitudinal": 2.0, "gridSpacingLatitudinal": 2.0}
+        counts = {"numPointsLongitudinal": np.int32(7), "numPointsLatitudinal": np.int32(5)}
+        coverage.setncatts({"gridOriginLongitude": EAST, "gridOriginLatitude": NORTH, "startSequence": "0,0"})
+        coverage.setncatts(sides | counts)
+        values = coverage.createGroup("Group_001")
+        values.createDimension("y", 5)
+        values.createDimension("x", 7)
+        node = np.dtype([("depth", "f4"), ("uncertainty", "f4")])
+        nodes = np.zeros((5, 7), node)
+        nodes["depth"] = -sloped(5, 7)
+        nodes["depth"][1, 2] = 1e6
+        values.createVariable("values", values.createCompoundType(node, "node"), ("y", "x"))[:] = nodes
+    grid = read_grid(str(tmp_path / "bed.h5"))
+    assert (grid.spacing, grid.corner, grid.crs) == ((2.0, 2.0), (EAST, NORTH), "EPSG:32633")
+    ground = build_ground(scene(tmp_path / "bed.h5"))
+    expected = sloped(5, 7)
+    expected[1, 2] = np.nan
+    np.testing.assert_allclose(ground.heights + ground.datum, expected, atol=1e-5)
 
 
 def test_a_map_in_feet_is_projected_and_a_local_one_scaled(tmp_path):

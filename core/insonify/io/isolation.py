@@ -26,7 +26,7 @@ IDLE = 60.0  # s without a request after which the process ends
 # GDAL also reads files beside a raster, in any format. These formats may name other files, call a server or run code.
 SKIPPED = (
     "VRT DERIVED GTI STACTA STACIT WMS WCS WMTS HTTP OGCAPI DAAS EEDA EEDAI PLMOSAIC NGW RDA JPIPKAK CAD WFS OAPIF "
-    "Rasterlite GeoRaster PostGISRaster TileDB Zarr SENTINEL2 S102 S104 S111 PDF netCDF HDF4 HDF4Image"
+    "Rasterlite GeoRaster PostGISRaster TileDB Zarr SENTINEL2 S104 S111 PDF netCDF HDF4 HDF4Image"
 )
 SETTINGS = {"GDAL_SKIP": SKIPPED, "GDAL_VRT_ENABLE_PYTHON": "NO", "GDAL_DRIVER_PATH": "disable"} | dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"

@@ -1,4 +1,4 @@
-"""Georeferenced grids of heights: GeoTIFF, the Bathymetric Attributed Grid (BAG), ESRI ASCII grids."""
+"""Georeferenced grids of heights: GeoTIFF, the Bathymetric Attributed Grid (BAG), S-102, ESRI ASCII grids."""
 
 import math
 import os
@@ -18,8 +18,8 @@ from insonify.io.isolation import run_isolated
 
 # Without it GDAL takes a text grid for whole numbers if no decimal point is found near its beginning, and NaN for 0.
 OPEN_OPTIONS = {"AAIGrid": {"DATATYPE": "Float64"}}
-DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".asc": "AAIGrid"}
-REMEDY = "give a valid GeoTIFF, BAG or ESRI ASCII grid"
+DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".h5": "S102", ".asc": "AAIGrid"}
+REMEDY = "give a valid GeoTIFF, BAG, S-102 or ESRI ASCII grid"
 FARTHEST = 1e9  # m, of map coordinates
 SPACINGS = (1e-4, 1e6)  # m
 ELEVATION = 1  # band that holds the heights
@@ -234,8 +234,7 @@ def _esri_unit(path: str) -> str:
     return "" if found is None or found[1].lower() == "no" else found[1]
 
 
-RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", tuple(DRIVERS), read_heights, remedy=REMEDY)
-# GDAL converts the numbers of these with their scale, unit and sign.
+RASTERS = FileFormat("GeoTIFF, BAG, S-102 or ESRI ASCII grid", tuple(DRIVERS), read_heights, remedy=REMEDY)
+# GDAL converts its numbers with their scale, unit and sign.
 CONVERTED = "convert it to GeoTIFF, for example with gdal_translate, or export it as BAG or ESRI ASCII grid"
 NETCDF: FileFormat[Grid] = FileFormat("netCDF grid", (".nc", ".grd"), converter=CONVERTED)
-S102: FileFormat[Grid] = FileFormat("S-102", (".h5",), converter=CONVERTED)

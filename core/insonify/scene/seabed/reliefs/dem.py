@@ -21,7 +21,9 @@ class Dem(AddableRelief, kind="dem", rank=90):
     """A measured bed: a grid of heights from a file."""
 
     measured = True
-    path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
+    path: FilePath = parameter(
+        description="grid of heights or depths: GeoTIFF, BAG, S-102, .asc, .npy or .npz", min_length=1
+    )
     positive: Literal["auto", "up", "down"] = parameter(
         "auto", "sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)", rare=True
     )
