@@ -228,6 +228,10 @@ def test_a_bent_polygon_keeps_its_outline_and_a_body_of_polygons_is_closed_whate
     bent.write_text("v 0 0 0\nv 3 2 0.1\nv 0 4 0\nv 1 2 0.3\nf 1 2 3 4\n")
     corners = read_mesh(str(bent))
     assert (len(corners), area(corners)) == (2, pytest.approx(4.08, abs=0.1))
+    # A sliver whose digits let it cross itself is no reason to refuse a file.
+    bent.write_text("v 0 0 0\nv 1 1e-7 0\nv 1 0 0\nv 0 1e-7 0\nf 1 2 3 4\nv 0 2 0\nf 1 2 5\n")
+    os.utime(bent, (1, 1))
+    assert area(read_mesh(str(bent))) == pytest.approx(1.0, abs=1e-5)
     # A prism over the hook, all faces inwards, with more vertices on the edges of its caps.
     outline = np.array(HOOK[0], float)
     outline = np.stack([outline, 0.5 * (outline + np.roll(outline, -1, axis=0))], axis=1).reshape(-1, 2)

@@ -8,6 +8,7 @@ from insonify.arrays import Booleans, Floats, Integers
 from insonify.io.file_access import FileFault
 
 ROUNDING = 1e-9  # of a polygon's area
+CROSSED = 1e-6  # of the square of a polygon's size: an area that may be lost, as rounded digits make slivers cross
 FOLDED = 1e-6  # vector area over area, below which a polygon faces nowhere
 STARTS = 8  # corners of a polygon from which a fan is tried
 
@@ -51,7 +52,7 @@ def _covers(triangles: Floats) -> Booleans:
     least = (across @ normal[:, :, None]).min(axis=(1, 2))
     # A polygon without a vector area crosses itself, or all its corners lie on a line.
     longest = np.square(np.ptp(triangles, axis=(1, 2))).sum(axis=1)
-    return np.asarray((least >= -ROUNDING * size * length) & ((length > FOLDED * size) | (size <= ROUNDING * longest)))
+    return np.asarray((least >= -ROUNDING * size * length) & ((length > FOLDED * size) | (size <= CROSSED * longest)))
 
 
 def _clip_ears(polygon: Floats) -> Floats:
@@ -59,14 +60,16 @@ def _clip_ears(polygon: Floats) -> Floats:
     edges = polygon - polygon[0]
     normal = np.cross(edges[1:-1], edges[2:]).sum(axis=0)
     aside = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
-    flat = edges @ np.stack([aside, np.cross(normal, aside)], axis=1)  # as seen against the normal
-    flat /= np.maximum(np.abs(flat).max(axis=0), np.finfo(float).tiny)
+    axes = np.stack([aside, np.cross(normal, aside)], axis=1)
+    flat = edges @ (axes / np.maximum(np.linalg.norm(axes, axis=0), np.finfo(float).tiny))  # as seen against the normal
+    flat /= max(np.abs(flat).max(), np.finfo(float).tiny)
     left, ears = list(range(len(polygon))), []
     while (ear := _find_ear(flat[left])) is not None:
         ears.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
         del left[ear]
     ears += [[left[0], *pair] for pair in pairwise(left[1:])]
-    if not normal.any() or _twice_area(*np.moveaxis(flat[ears], 1, 0)).min() < -ROUNDING:
+    area = _twice_area(*np.moveaxis(flat[ears], 1, 0))
+    if not normal.any() or np.abs(area).sum() > area.sum() + CROSSED:
         raise FileFault(f"has a face of {len(polygon)} vertices that crosses itself", "export it as triangles")
     return np.asarray(polygon[ears])
 
