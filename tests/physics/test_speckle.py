@@ -89,6 +89,58 @@ def test_pings_keep_together_over_half_an_array_and_a_broad_beam_decorrelates_so
     assert correlation(broad, 4, 0) < 0.05
 
 
+def field_correlation(wavelength, length, taper, ways, r, lags):
+    """Correlation of the waves of a line of scatterers at r by exact distances from every element of an array."""
+    place = (np.arange(600) + 0.5) / 600.0 - 0.5
+    shapes = {
+        "uniform": np.ones(600),
+        "cosine": np.cos(np.pi * place),
+        "hamming": 0.54 + 0.46 * np.cos(2 * np.pi * place),
+    }
+    step, reach = min(0.002, wavelength * r / 16.0 / length), max(2.0 * length, 10.0 * wavelength * r / length)
+    x, wave_number = np.arange(-reach, reach, step), 2.0 * math.pi / wavelength
+    away = np.exp(1j * wave_number * (np.hypot(r, x) - r))
+    field = sum(w * np.exp(1j * wave_number * (np.hypot(r, x - u * length) - r)) for u, w in zip(place, shapes[taper]))
+    density = np.abs(np.fft.fft(field * (field if ways == 2 else away), 4 * x.size)) ** 2
+    found = np.fft.ifft(density)[: x.size]
+    return np.interp(lags, step * np.arange(x.size), np.abs(found / found[0]))
+
+
+@pytest.mark.parametrize(
+    ("frequency", "length", "taper", "ways", "advance"),
+    [
+        (400e3, 0.6, "uniform", 2, 0.05),
+        (900e3, 1.0, "uniform", 2, 0.02),  # in the near field to 600 m
+        (600e3, 0.9, "cosine", 2, 0.011),  # 82 pings within the array
+        (850e3, 1.3, "hamming", 2, 0.2),
+        (300e3, 0.4, "hamming", 1, 0.03),
+        (455e3, 0.8, "cosine", 1, 0.02),
+        (120e3, 0.3, "uniform", 2, 0.5),  # pings farther apart than the array is long
+    ],
+)
+def test_near_and_far_pings_keep_together_as_the_field_of_an_array_does(frequency, length, taper, ways, advance):
+    beam = {"kind": "array", "length": length, "taper": taper, "two_way": ways == 2}
+    changes = {"sonar__frequency": frequency, "sonar__beam": beam, "track__speed": 2.0 * advance}
+    changes |= {"sonar__range": 150.0, "sonar__ping_rate": 2.0, "sonar__pulse": "ideal"}
+    ready = reception(300, 0.5, receiver__speckle="rayleigh", **changes)
+    field, lags = ready.find(Speckle).field, advance * np.arange(math.ceil(1.1 * length / advance) + 1)
+    intensity = field.energies(np.arange(1500)).astype(float) - 1.0
+    for r in (2.25, 7.25, 21.25, 60.25, 140.25):
+        row = np.searchsorted(field.edges, int(r / 0.5), side="right") - 1
+        weights = np.pad(field.filters.weights[row], (0, lags.size))
+        found = np.correlate(weights, weights[: -lags.size], "valid")[: lags.size]
+        wanted = field_correlation(1500.0 / frequency, length, taper, ways, r, lags)
+        # A one-way grain is in proportion to r, which is rounded to 2 %.
+        np.testing.assert_allclose(np.abs(found), wanted, atol=0.02)
+        grain, exact = (1.0 + 2.0 * (each[1:] ** 2).sum() for each in (found, wanted))
+        assert grain == pytest.approx(exact, rel=0.03), r
+        # The factors of a record, in the bins that share the correlation.
+        part = intensity[:, :, field.edges[row] : field.edges[row + 1]]
+        samples = part.size / grain
+        measured = [(part[lag:] * part[: 1500 - lag]).mean() for lag in range(lags.size)]
+        np.testing.assert_allclose(measured, found**2, atol=0.02 + 5.0 / math.sqrt(samples))
+
+
 def test_of_an_ideal_pulse_bins_sides_and_other_pings_are_independent():
     intensity = speckle(400, sonar__pulse="ideal") - 1.0
     bound = 4.0 / math.sqrt(intensity.size)

@@ -10,6 +10,7 @@ from insonify.scene.base import metres, parameter
 from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
+FEWEST_ELEMENTS = 512  # from which the coherence of its echoes is computed
 FEWEST_ROWS = 4.0  # per octave of slant range
 # Rows per radian by which the phase at the ends of the array, π L² / 4 λ r, changes over an octave, at some range.
 ROWS_PER_RADIAN, AT_LENGTHS = 2.0, 20.0
@@ -60,6 +61,24 @@ class LineArray(AimedBeam, kind="array", rank=40):
         energy = self._energy_at(conditions.range, extent[0], conditions.wavelength)
         return BeamTable(conditions.range, extent, energy[None, :])
 
+    def coherence(self, spacing: float, conditions: BeamConditions) -> Floats:
+        """Correlations by the field of the array in Fresnel's approximation, near or far."""
+        # On a line of scatterers at r the two-way field is that of phase centres m halfway between two elements,
+        # A(m) = ∫ w(m + d/2) w(m - d/2) exp(ikd²/4r) dd, convolved with exp(ikx²/r). That chirp leaves correlations as
+        # they are: docs/theory/speckle.md. One way the centres lie half as far out as the elements.
+        curvature = 2.0 * math.pi / conditions.wavelength / max(conditions.range, self.length)
+        # Neighbours at the ends are 1 rad apart.
+        count = 1 << math.ceil(math.log2(max(FEWEST_ELEMENTS, curvature * self.length**2)))
+        step = self.length / count
+        place = (np.arange(count) + 0.5) * step - 0.5 * self.length
+        centres = taper_weights(self.taper, count) * np.exp(0.5j * curvature * place**2 / (3 - self.passes))
+        if self.passes == 2:
+            middle = 0.5 * step * np.arange(1 - count, count + 1)
+            centres = np.fft.ifft(np.fft.fft(centres, 2 * count) ** 2) * np.exp(-1j * curvature * middle**2)
+        correlation = np.fft.irfft(np.abs(np.fft.fft(centres, 2 * centres.size)[: centres.size + 1]) ** 2)
+        lags = spacing * np.arange(math.ceil(0.5 * self.passes * self.length / spacing))
+        return np.interp(lags, 0.5 * step * np.arange(centres.size), correlation[: centres.size] / correlation[0])
+
     def _extent_at(self, ranges: Floats, wavelength: float) -> Floats:
         """Sine at each range beyond which less than 0.5 % arrives."""
         return np.minimum(0.5 * self.length / ranges + LOBES[self.two_way] * wavelength / self.length, 1.0)
@@ -77,10 +96,10 @@ class LineArray(AimedBeam, kind="array", rank=40):
         return np.asarray(np.abs(field) ** (2.0 * self.passes))
 
 
-def taper_weights(name: str) -> Floats:
+def taper_weights(name: str, count: int = ELEMENTS) -> Floats:
     """Weights of the elements of an array, of unit sum."""
-    u = (np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5
-    weights = np.ones(ELEMENTS)
+    u = (np.arange(count) + 0.5) / count - 0.5
+    weights = np.ones(count)
     if name == "cosine":
         weights = np.cos(np.pi * u)
     elif name == "hamming":
@@ -88,5 +107,5 @@ def taper_weights(name: str) -> Floats:
     elif name == "taylor":
         from scipy.signal.windows import taylor
 
-        weights = np.asarray(taylor(ELEMENTS, TAYLOR_NEARLY_EQUAL, TAYLOR_SIDELOBES, norm=False))
+        weights = np.asarray(taylor(count, TAYLOR_NEARLY_EQUAL, TAYLOR_SIDELOBES, norm=False))
     return weights / weights.sum()
