@@ -15,7 +15,7 @@ from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, Speckle, shape_tabl
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import Chirp
 from insonify.simulation import prepare
-from receptions import RAYLEIGH, correlation, reception, variation
+from receptions import RAYLEIGH, correlation, field_correlation, reception, variation
 
 BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
 WAVELENGTH = 1500.0 / 400e3
@@ -87,23 +87,6 @@ def test_pings_keep_together_over_half_an_array_and_a_broad_beam_decorrelates_so
     # 0.21 m and 0.05 m, in pings 2 cm apart.
     assert correlation(narrow, 2, 0) > 0.7
     assert correlation(broad, 4, 0) < 0.05
-
-
-def field_correlation(wavelength, length, taper, ways, r, lags):
-    """Correlation of the waves of a line of scatterers at r by exact distances from every element of an array."""
-    place = (np.arange(600) + 0.5) / 600.0 - 0.5
-    shapes = {
-        "uniform": np.ones(600),
-        "cosine": np.cos(np.pi * place),
-        "hamming": 0.54 + 0.46 * np.cos(2 * np.pi * place),
-    }
-    step, reach = min(0.002, wavelength * r / 16.0 / length), max(2.0 * length, 10.0 * wavelength * r / length)
-    x, wave_number = np.arange(-reach, reach, step), 2.0 * math.pi / wavelength
-    away = np.exp(1j * wave_number * (np.hypot(r, x) - r))
-    field = sum(w * np.exp(1j * wave_number * (np.hypot(r, x - u * length) - r)) for u, w in zip(place, shapes[taper]))
-    density = np.abs(np.fft.fft(field * (field if ways == 2 else away), 4 * x.size)) ** 2
-    found = np.fft.ifft(density)[: x.size]
-    return np.interp(lags, step * np.arange(x.size), np.abs(found / found[0]))
 
 
 @pytest.mark.parametrize(
