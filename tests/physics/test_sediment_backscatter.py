@@ -122,6 +122,15 @@ def test_the_laws_follow_the_model(name):
         assert fit.specular > 0.0 or law[1] >= exact[1] * 0.999 or fit.diffuse == 1.0
 
 
+@pytest.mark.parametrize("name", SEDIMENTS)
+def test_levels_over_frequency_hardly_step(name):
+    """Within 1 % of frequency by less than a decibel, of which the model itself takes up to 0.06."""
+    frequencies, angles = np.geomspace(11e3, 500e3, 384), np.radians([15.0, 40.0, 55.0, 65.0, 75.0, 80.0, 86.0, 89.0])
+    fits = [fit_law(MATERIALS[name].model, float(frequency), 20.0) for frequency in frequencies]
+    levels = decibels(np.array([scattering_strength(fit, np.sin(angles)) for fit in fits]))
+    assert np.abs(np.diff(levels, axis=0)).max() < 0.9
+
+
 def test_misfits_of_sands_are_small_where_a_side_scan_looks():
     """From 10 to 45° grazing, at the frequencies with which the model was compared."""
     angles = np.radians(np.arange(10.0, 46.0, 5.0))
