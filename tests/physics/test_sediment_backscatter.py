@@ -157,6 +157,13 @@ def test_a_scene_is_told_of_misfits_and_limits(capsys):
     assert f"{off:+.1f}" in lines[2]
     assert [line for line in lines if "outside the range" in line] == lines[3:4]
     assert lines[4].startswith("the record reaches down to 7.2° grazing")
+    # Between the model's own growth, of roughness by 0.75 powers of frequency at 10 to 60°, and that of small grains.
+    own = decibels(np.divide(*(model_strength(MATERIALS["medium_sand"].model, f, ANGLES[:4]) for f in (900e3, 300e3))))
+    assert lines[3].endswith(
+        f"by {own.max():+.1f} dB, grains may add up to {40.0 * math.log10(3.0) - own.min():.1f} dB"
+    )
+    low = list(describe_limits(edit(scene, {"sonar.frequency": 6e3, "sonar.range": 40.0, "sonar.pulse": "ideal"})))
+    assert low[0].startswith("6 kHz is outside the range of the backscatter model, 10 to 300 kHz: extrapolated by -")
     near = edit(scene, {"sonar.frequency": 200e3, "sonar.range": 40.0})
     assert list(describe_limits(near)) == []
     assert list(describe_materials(edit(scene, {"seabed.material.diffuse": 0.2}))) == []
