@@ -1,7 +1,11 @@
 """The error that reports a mistake in a scene or a file to the user."""
 
+import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+OWN = ("insonify", "insonify_viewer", "contextlib")  # packages between a warning and the line that it is about
 
 # Control characters, which a terminal obeys, and marks that turn the direction of text; tabs and ends of lines stay.
 _UNSAFE = dict.fromkeys(
@@ -25,6 +29,14 @@ class FileWarning(UserWarning):
 
 class PlanWarning(UserWarning):
     """The estimated error of a record exceeds the tolerance, in one sentence that names the choice that errs most."""
+
+
+def warn_caller(warning: Warning) -> None:
+    """Warn at the line outside this package that led here: that one can be changed, or filtered by its module."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in OWN:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(warning, stacklevel=level)
 
 
 @contextmanager

@@ -14,14 +14,13 @@ import sys
 import tempfile
 import threading
 import time
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.io.object_store import in_store, uploading
 from insonify.operating_system import interrupt_main_thread, lock_file
 
@@ -252,10 +251,10 @@ def clear_leftovers(final: Path) -> None:
         if is_leased(left.path):
             other = f"process {left.process}" + f" of {left.host}" * (left.host != _host())
             text = f"{final}: {other} is writing it as well; the last to finish replaces the other"
-            warnings.warn(FileWarning(text), stacklevel=6)
+            warn_caller(FileWarning(text))
         elif not _is_own(left.path):
             text = f"{final}: {left.path.name} beside it was left by another user; remove it if it is stale"
-            warnings.warn(FileWarning(text), stacklevel=6)
+            warn_caller(FileWarning(text))
         else:
             if not final.exists() and _former(left.path, final).exists():
                 _former(left.path, final).rename(final)

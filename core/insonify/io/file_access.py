@@ -11,9 +11,9 @@ import warnings
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, cast
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.operating_system import call_after_fork
 
 LEAST_EXPANSION = 2**28  # bytes that any file may expand to
@@ -50,7 +50,7 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
     except Exception as error:  # libraries raise errors of many types
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
-        warnings.warn(warning.message, stacklevel=4)
+        warn_caller(cast("Warning", warning.message))
 
 
 def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collection[str], largest: int) -> str:

@@ -1,7 +1,6 @@
 """Scenes read from TOML files and written to them."""
 
 import tomllib
-import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.files import bundled_meshes, bundled_scenes
 from insonify.io.file_access import read_named
 from insonify.scene.edit import build, edit, plain, read_setting
@@ -44,7 +43,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     scene = scene_from_toml(text, source=path)
     noise = scene.receiver.noise
     if noise is not None and noise.advice and path not in bundled_scenes().values():
-        warnings.warn(FileWarning(f"{path.name}: {noise.advice}"), stacklevel=2)
+        warn_caller(FileWarning(f"{path.name}: {noise.advice}"))
     return scene
 
 
