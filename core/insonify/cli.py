@@ -24,6 +24,7 @@ from insonify.progress import CompilationBar
 COMMANDS = "insonify.commands"  # a package, and a group of entry points
 VIEWER = "insonify_viewer"
 WRONG, INTERRUPTED = 2, 130
+LONG = 1000  # characters of either end of a sentence
 ABOUT = ("-h", "--help", "--version")
 APT = (
     "sudo apt-get install -y libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
@@ -76,14 +77,20 @@ class _PlainOutput:
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Write what a file or a plan lacks as one sentence, and other warnings as Python does."""
     if issubclass(category, (FileWarning, PlanWarning, CacheWarning)):
-        sys.stderr.write(f"insonify: {plain_text(' '.join(str(message).split()))}\n")
+        sys.stderr.write(f"insonify: {_plain_sentence(str(message))}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
 
 
+def _plain_sentence(text: str) -> str:
+    """Text on one line, as a terminal may show it; a long name or value within is cut, fault and remedy stay."""
+    text = plain_text(" ".join(text.split()))
+    return text if len(text) <= 2 * LONG else f"{text[:LONG]} … {text[-LONG:]}"
+
+
 def _complain(sentence: str) -> int:
     with suppress(OSError):  # standard error on a full disk: the exit code remains
-        sys.stderr.write(f"insonify: {plain_text(' '.join(sentence.split()))}\n")
+        sys.stderr.write(f"insonify: {_plain_sentence(sentence)}\n")
         sys.stderr.flush()
     return WRONG
 
@@ -107,7 +114,7 @@ class _Parser(argparse.ArgumentParser):
     """Argument parser that reports a mistake in one line, without the usage."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(WRONG, f"{self.prog}: {message}; see '{self.prog} --help'\n")
+        self.exit(WRONG, f"{self.prog}: {_plain_sentence(message)}; see '{self.prog} --help'\n")
 
 
 def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, Any]]:

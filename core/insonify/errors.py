@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+MOST_DIGITS = 20  # of a count
 OWN = ("insonify", "insonify_viewer", "contextlib")  # packages between a warning and the line that it is about
 
 # Control characters, which a terminal obeys, and marks that turn the direction of text; tabs and ends of lines stay.
@@ -17,6 +18,11 @@ _UNSAFE = dict.fromkeys(
 def plain_text(text: str) -> str:
     """Text of a file as it may be shown: without characters that a terminal or a window would obey."""
     return text.translate(_UNSAFE)
+
+
+def is_count(text: str) -> bool:
+    """Whether text is a whole number in decimal digits, and so few that Python converts them."""
+    return text.isascii() and text.isdecimal() and len(text) < MOST_DIGITS
 
 
 class SceneError(ValueError):

@@ -53,6 +53,8 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         ("rendre default", "did you mean 'insonify render'?"),
         ("info a.png", "'info' is neither a command nor a scene; 'insonify --help' lists the commands"),
         ("plan defualt", "scene 'defualt': no such file; did you mean 'default'? Otherwise give a TOML file"),
+        (f"plan default --set seed={'9' * 5000}", "seed: '999"),
+        (f"plan default --set targets.{'9' * 5000}.radius=1", "the list has 3, numbered from 0"),
         ("plan default --set track.speed=3furlongs", "track.speed: '3furlongs' is not a number"),
         ("plan default --set sonar.beam.taper=cosine", "it belongs to kind 'array', not to 'fan'"),
         *((f"{words}atlantis", "no such file") for words in ("view ", "scenes ", "")),
