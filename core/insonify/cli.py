@@ -18,9 +18,11 @@ from insonify.commands import OF_VIEWER, OWN
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.errors import FileWarning, PlanWarning, SceneError, plain_text
+from insonify.foreign_settings import MATPLOTLIB, ignore_settings
 from insonify.plugins import announced, modules_in
 from insonify.progress import CompilationBar
 
+ignore_settings(MATPLOTLIB)
 COMMANDS = "insonify.commands"  # a package, and a group of entry points
 VIEWER = "insonify_viewer"
 WRONG, INTERRUPTED = 2, 130

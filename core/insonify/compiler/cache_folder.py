@@ -3,12 +3,11 @@
 import contextlib
 import os
 import stat
+import warnings
 from multiprocessing import parent_process
 from pathlib import Path
 
 import platformdirs
-
-from insonify.errors import warn_caller
 
 
 class CacheWarning(UserWarning):
@@ -34,7 +33,7 @@ def is_private(folder: Path) -> bool:
         fault = "this user has no home folder"
     if fault and parent_process() is None:
         sentence = f"{fault}; kernels are compiled at every start until that is changed, or NUMBA_CACHE_DIR is set"
-        warn_caller(CacheWarning(f"machine code is neither read from nor kept in {folder}: {sentence}"))
+        warnings.warn(CacheWarning(f"machine code is neither read from nor kept in {folder}: {sentence}"), stacklevel=2)
     if not fault:
         with contextlib.suppress(OSError):  # root's
             folder.chmod(0o700)
