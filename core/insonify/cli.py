@@ -19,7 +19,7 @@ from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.errors import FileWarning, PlanWarning, SceneError, plain_text
 from insonify.foreign_settings import MATPLOTLIB, ignore_settings
-from insonify.plugins import announced, modules_in
+from insonify.plugins import announced, loaded, modules_in
 from insonify.progress import CompilationBar
 
 ignore_settings(MATPLOTLIB)
@@ -142,13 +142,13 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
             for name, line in OF_VIEWER.items():
                 subparsers.add_parser(name, help=line)
             continue
+        if not _is_of_viewer(entry):
+            loaded([entry], lambda register: register(subparsers))
+            continue
         try:
             entry.load()(subparsers)
         except ImportError as error:
-            if _is_of_viewer(entry):
-                missing = error
-            else:
-                sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
+            missing = error
     if "view" not in subparsers.choices:
         from insonify.commands.options import add_scene  # lazy: loads the models of the scene
 
@@ -159,7 +159,7 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
 
 
 def _is_of_viewer(entry: importlib.metadata.EntryPoint) -> bool:
-    return entry.module.partition(".")[0] == VIEWER
+    return entry.value.partition(".")[0] == VIEWER
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:

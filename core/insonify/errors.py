@@ -33,6 +33,10 @@ class FileWarning(UserWarning):
     """What to know of a file that is used: a part that cannot be, or a better way to write it, in one sentence."""
 
 
+class ExtensionWarning(FileWarning):
+    """An extension that an installed package announces is left out, in one sentence with the cause."""
+
+
 class PlanWarning(UserWarning):
     """The estimated error of a record exceeds the tolerance, in one sentence that names the choice that errs most."""
 

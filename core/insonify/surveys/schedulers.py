@@ -22,7 +22,7 @@ from insonify.errors import SceneError, is_count
 from insonify.io.atomic import unfinished_folder
 from insonify.io.object_store import in_store
 from insonify.operating_system import interrupts_blocked
-from insonify.plugins import announced
+from insonify.plugins import announced, loaded
 
 RECORD = "build.json"  # beside the flags of the jobs
 SILENCE, REMINDER = 10.0, 60.0  # s without a worker until the first sentence, and between it and the next one
@@ -127,7 +127,8 @@ class SchedulerKind:
 
 def find_schedulers() -> dict[str, SchedulerKind]:
     """Return the kinds by their prefixes: those of this module and those that installed packages announce."""
-    return {kind.prefix: kind for kind in (*KINDS, *(entry.load() for entry in announced(GROUP)))}
+    others = loaded(announced(GROUP), lambda kind: (kind.prefix, kind))
+    return {kind.prefix: kind for kind in KINDS} | dict(others)
 
 
 def choose_scheduler(text: str) -> tuple[SchedulerKind, str]:

@@ -15,7 +15,7 @@ from pydantic import Field, TypeAdapter, ValidationError, model_validator
 from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.io.file_access import LARGEST_TOML, FileFault, parse_toml, read_text
-from insonify.plugins import announced
+from insonify.plugins import announced, loaded
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.seabed.materials.sediments import Sediment, fit_law
 
@@ -97,8 +97,8 @@ class Catalogue(UserDict[str, NamedMaterial]):
     def data(self) -> dict[str, NamedMaterial]:  # type: ignore[override]  # read when first used
         """All materials."""
         found = read_materials(resources() / "materials")
-        for entry in announced("insonify.materials"):
-            found = found | read_materials(Path(entry.load())) | found
+        for others in loaded(announced("insonify.materials"), lambda folder: read_materials(Path(folder))):
+            found = found | others | found
         return found
 
 
