@@ -7,7 +7,7 @@ import importlib.metadata
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout, suppress
 from functools import partial
 from importlib import import_module
@@ -71,6 +71,9 @@ class _PlainOutput:
 
     def write(self, text: str) -> int:
         return self._stream.write(plain_text(text))
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        self._stream.writelines(map(plain_text, lines))
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
@@ -189,7 +192,5 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
 
     path = check_output(getattr(arguments, "snapshot", None) or free_name(FALLBACK), (".png",))
     write(chosen_scene(arguments), path, DisplayOptions())
-    sys.stderr.write(
-        f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
-    )
+    _complain(f"the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}")
     return NO_WINDOW

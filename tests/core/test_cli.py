@@ -101,6 +101,12 @@ def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys, t
     path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
     assert main(["scenes", str(path)]) == 0
     assert capsys.readouterr().out == "a]0;ownedb\n"
+    record = tmp_path / "a\x1b]0;owned\x07.npz"
+    assert main(["render", *SMALL, "-o", str(record)]) == 0
+    assert main(["render", *SMALL, "-o", str(record / "b.npz")]) == 2
+    said = "".join(capsys.readouterr())
+    assert said.count("/a]0;owned.npz") == 2
+    assert {"\x1b", "\x07"}.isdisjoint(said)
 
 
 def test_plan_names_the_method(capsys):
