@@ -1,7 +1,6 @@
 """Recordings of real sonars: positions with gaps, and the pings of one frequency on a common grid of slant range."""
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from insonify.arrays import Booleans, Dataset, Floats, Singles
-from insonify.errors import FileWarning
+from insonify.errors import FileWarning, warn_caller
 from insonify.io.file_access import FileFault
 from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
@@ -57,9 +56,7 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
     """Warn that a recording ends within a packet, at a byte; raise FileFault if no packet before has echoes."""
     if whole == 0:
         raise FileFault(f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
-    warnings.warn(
-        FileWarning(f"{path}: ends within the packet at byte {at}; the whole pings before are read"), stacklevel=2
-    )
+    warn_caller(FileWarning(f"{path}: ends within the packet at byte {at}; the whole pings before are read"))
 
 
 def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple[int, dict[str, Any]]:
