@@ -362,7 +362,7 @@ def test_an_answer_is_right_close_or_a_known_mistake(asked, answer, grade, words
 def test_choices_stand_in_an_order_of_the_run_that_does_not_tell_the_right_one():
     asked = [(step.question, step.ask) for lesson in load_lessons() for step in lesson.steps if step.ask.choices]
     runs = [Worksheet(load_lesson("ghosts"), datetime(2026, 3, 2, 9, 0, 0, number)).run for number in range(60)]
-    first = {run: 0 for run in runs}  # right answers that stand first
+    first = dict.fromkeys(runs, 0)  # right answers that stand first
     for question, ask in asked:
         right = next(place for place, choice in enumerate(ask.choices) if choice.right)
         stands = Counter()
