@@ -46,14 +46,15 @@ def label_shadows(shadows, contributions, materials, labels, place, side):
     share[:], target[:] = 0.0, NO_TARGET
     if not shadows.present.any():
         return
+    hiding = np.flatnonzero(shadows.present)  # few of many targets
     for k in range(share.size):
         hidden, most, best = 0.0, 0.0, NO_TARGET
-        for row in range(shadows.present.size):
-            if shadows.present[row]:
-                energy = shadows.energy[row, k]
-                hidden += energy
-                if energy > most:
-                    most, best = energy, row
+        for i in range(hiding.size):
+            row = int(hiding[i])
+            energy = shadows.energy[row, k]
+            hidden += energy
+            if energy > most:
+                most, best = energy, row
         if hidden > 0.0:
             seen = 0.0  # echo of the visible bed by the direct path
             for row in range(materials):
