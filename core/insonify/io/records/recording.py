@@ -300,6 +300,8 @@ def spread_ticks(path: Path, clock: Floats) -> Floats:
 
 def fill_gaps(values: Floats, known: Booleans, at: Floats | None = None) -> Floats:
     """Interpolate unknown values; NaN if all are unknown."""
+    if known.all():
+        return values
     if not known.any():
         return np.full(values.shape, np.nan)
     at = np.arange(values.size, dtype=np.float64) if at is None else at
@@ -334,7 +336,14 @@ def join_sides(sides: SideColumns, numbers: Integers, stamps: Integers) -> tuple
         whole = (sides.format[:, begins] != ABSENT).all(axis=0)
         if whole[0] and not whole[-1]:  # the file ends between port and starboard
             begins = begins[:-1]
-    return begins, sides if begins.size == lone.size else sides.take(begins)
+    joined = sides if begins.size == lone.size else sides.take(begins)
+    return begins, SideColumns(*map(_without_repeats, joined))
+
+
+def _without_repeats(values: NDArray[Any]) -> NDArray[Any]:
+    """Return an array of one value as one that takes no memory."""
+    first = values.flat[0]
+    return np.broadcast_to(first, values.shape) if (values == first).all() else values
 
 
 def _greedy(links: Booleans) -> Integers:

@@ -74,13 +74,15 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> Dataset:
     number, attributes = recording.choose_band(_frequencies(header, reader.bands), frequency)
     band, formats, columns = reader.bands[number], list(reader.formats), reader.columns()
     packets = np.frombuffer(band.packets, dtype=np.int32)
-    del reader  # and its index of other frequencies
+    reader.bands.clear()
     stamps = np.zeros(packets.size, dtype=np.int64)
     for name, hundredths in zip(CLOCK, (360_000, 6_000, 100, 1)):
         stamps += hundredths * columns[name][packets].astype(np.int64)
-    begins, sides = recording.join_sides(band.index.columns(), columns["PingNumber"][packets].astype(np.int64), stamps)
+    begins, sides = recording.join_sides(band.index.columns(), columns.pop("PingNumber")[packets], stamps)
     if begins.size < columns["Hour"].size:
-        columns = {name: column[packets[begins]] for name, column in columns.items()}
+        for name, column in columns.items():  # one by one, so that the memory of each is free before the next
+            columns[name] = column[packets[begins]]
+    del packets, stamps, begins
     track = _track(path, header, columns)
     track.attributes.update(attributes)
     if width := _declared(header, number, "HorizBeamAngle", WIDEST_BEAM):
@@ -110,9 +112,10 @@ class _Reader:
         })  # fmt: skip
 
     def columns(self) -> dict[str, Any]:
-        """Return the fields of the headers of all packets with side-scan channels, (packets,) each."""
+        """Hand over the fields of the headers of all packets with side-scan channels, (packets,) each."""
         self._flush()
-        return {name: np.frombuffer(column, dtype=FIELDS[name]) for name, column in self._columns.items()}
+        given, self._columns = self._columns, {}
+        return {name: np.frombuffer(column, dtype=FIELDS[name]) for name, column in given.items()}
 
     def read(self) -> None:
         """Read all packets."""
@@ -246,66 +249,64 @@ def _side_format(header: Any, place: int, ping: Any, channel: Any) -> tuple[reco
 
 
 def _track(path: Path, header: Any, columns: dict[str, Any]) -> recording.RecordedTrack:
-    """Navigation of the pings, and time and place of the first one where they are recorded."""
-    first = {name: int(columns[name][0]) for name in ("Year", "Month", "Day", *CLOCK)}
+    """Navigation of the pings, and time and place of the first one where they are recorded; columns are used up."""
+    start = [int(columns[name][0]) for name in ("Year", "Month", "Day", *CLOCK)]
     times = _seconds(path, columns)
-    # Without a fix the positions are along +y, by the recorded speed.
-    speed = _first_of(columns, "SensorSpeed", "ShipSpeed") * KNOT
-    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
-    # Positions of the fish, or of the ship where those are all zero.
-    x = _first_of(columns, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
-    y = _first_of(columns, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    declared, other = (recording.Fixes(x, y, (header.NavUnits == DEGREES) is same) for same in (True, False))
-    fixes = recording.settle_units(path, declared, other, times, speed)
-    del x, y, declared, other, speed
-    place = fixes.place
-    positions = fixes.positions(times)
-    if positions is not None:
-        recording.check_advance(path, *positions, float(run[-1]))
-    attributes: dict[str, Any] = {} if place is None else place.attributes()
-    with contextlib.suppress(ValueError):  # a date that the calendar does not have
-        year, month, day, hour, minute, second, hundredths = first.values()
-        start = datetime(year, month, day, hour, minute, second, 10_000 * hundredths)
-        attributes = {"time_coverage_start": start.isoformat()} | attributes
-    del fixes
-    x, y = positions or (np.zeros_like(run), run)
-    return recording.RecordedTrack(times, (x, y, *_attitude(columns)), attributes)
-
-
-def _seconds(path: Path, columns: dict[str, Any]) -> Floats:
-    """Seconds from the first ping to each, by the time of day, because dates are often wrong."""
-    clock = np.zeros(columns["Hour"].size)
-    for name, unit in zip(CLOCK, (3600.0, 60.0, 1.0, 0.01)):
-        clock += unit * columns[name]
-    return recording.spread_ticks(path, np.unwrap(clock, period=recording.DAY))
-
-
-def _attitude(columns: dict[str, Any]) -> tuple[Floats, ...]:
-    """Depth, altitude and attitude of the sonar at every ping."""
+    recorded = np.zeros(times.size, dtype=np.bool_)
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
-    recorded = np.zeros(columns["Hour"].size, dtype=np.bool_)
     for name in (*names, "ShipGyro", "SensorPrimaryAltitude"):
         recorded |= columns[name] != 0.0
+    # Positions of the fish, or of the ship where those are all zero.
+    x, y = (_first_of(columns, f"Sensor{axis}coordinate", f"Ship{axis}coordinate", unknown=np.inf) for axis in "XY")
+    declared, other = (recording.Fixes(x, y, (header.NavUnits == DEGREES) is same) for same in (True, False))
+    speed = _first_of(columns, "SensorSpeed", "ShipSpeed") * KNOT
+    fixes = recording.settle_units(path, declared, other, times, speed)
+    positions, place = fixes.positions(times), fixes.place
+    del x, y, declared, other, fixes
+    # Without a fix the positions are along +y, by the recorded speed.
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    if positions is not None:
+        recording.check_advance(path, *positions, float(run[-1]))
+    x, y = positions or (np.zeros_like(run), run)
+    del speed, run
+    attributes: dict[str, Any] = {} if place is None else place.attributes()
+    with contextlib.suppress(ValueError):  # a date that the calendar does not have
+        *date, hundredths = start
+        attributes = {"time_coverage_start": datetime(*date, 10_000 * hundredths).isoformat()} | attributes  # type: ignore[arg-type]
     depth = _column(columns, "SensorDepth")
     height = _first_of(columns, "SensorPrimaryAltitude", "SensorAuxAltitude")
     compass = _first_of(columns, "SensorHeading", "ShipGyro")
     pitch, roll = _column(columns, "SensorPitch"), _column(columns, "SensorRoll")
-    return (
-        recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
+    platform = (
+        x, y, recording.fill_gaps(depth, depth > 0.0), recording.fill_gaps(height, height > 0.0),
         recording.heading_from_compass(compass, recorded & (compass != 0.0)),
         recording.fill_gaps(pitch, recorded), recording.fill_gaps(roll, recorded),
     )  # fmt: skip
+    return recording.RecordedTrack(times, platform, attributes)
+
+
+def _seconds(path: Path, columns: dict[str, Any]) -> Floats:
+    """Seconds from the first ping to each, by the time of day, because dates are often wrong."""
+    clock = np.zeros(columns["Hour"].size, dtype=np.float64)
+    for name, unit in zip(CLOCK, (3600.0, 60.0, 1.0, 0.01)):
+        clock += unit * columns.pop(name)
+    return recording.spread_ticks(path, np.unwrap(clock, period=recording.DAY))
 
 
 def _column(columns: dict[str, Any], name: str, unknown: float = 0.0) -> Floats:
-    values = columns[name].astype(np.float64)
-    return np.where(np.isfinite(values), values, unknown)
+    """Take a column out of the others."""
+    values = columns.pop(name).astype(np.float64)
+    values[~np.isfinite(values)] = unknown
+    return values
 
 
 def _first_of(columns: dict[str, Any], *names: str, unknown: float = 0.0) -> Floats:
-    """First of several columns that is not all zero."""
-    name = next((each for each in names if _column(columns, each, unknown).any()), names[0])
-    return _column(columns, name, unknown)
+    """Take several columns out of the others; return the first of them that is not all zero."""
+    found = _column(columns, names[0], unknown)
+    for name in names[1:]:
+        found = found if found.any() else _column(columns, name, unknown)
+        columns.pop(name, None)
+    return found
 
 
 def _bands(header: Any) -> dict[int, int]:
