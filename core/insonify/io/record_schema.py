@@ -82,10 +82,10 @@ def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     return joined.assign({name: blocks[-1][name] for name in TARGET_TRUTH if name in joined})
 
 
-def split_record(record: Dataset, multiple: int = 1, together: int = TOGETHER) -> Iterator[slice]:
+def split_record(record: Dataset, multiple: int = 1, together: int | None = None) -> Iterator[slice]:
     """Yield the pings of a record in blocks that fit in memory, each but the last a multiple of some pings."""
     pings, echoes = record.sizes["ping_time"], len(CHANNELS) * record.sizes["range_sample"]
-    block = multiple * max(together // (multiple * echoes), 1)
+    block = multiple * max((together or TOGETHER) // (multiple * echoes), 1)
     return (slice(first, min(first + block, pings)) for first in range(0, pings, block))
 
 

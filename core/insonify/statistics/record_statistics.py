@@ -39,6 +39,9 @@ LOWEST_WAVE = 4.0  # cycles per period; lower frequencies have few waves and are
 LEAST_SPAN = 16.0  # cycles per period between the lowest and the highest frequency
 
 
+Patches = tuple[Singles, Floats, Integers]  # with the unevenness and the place of each
+
+
 class AmplitudeSpectrum(NamedTuple):
     """Power spectrum of the relative amplitude in one direction."""
 
@@ -158,7 +161,7 @@ class _Stretches:
     def even_patches(self) -> tuple[Floats, Singles]:
         """Variation and relative amplitudes of the most even patches: without targets, shadows or slopes."""
         half, tiles = PATCH // 2, 0
-        kept = np.empty((0, PATCH, PATCH), dtype=np.float32), np.empty(0), np.empty(0, dtype=np.int64)
+        kept: Patches = np.empty((0, PATCH, PATCH), dtype=np.float32), np.empty(0), np.empty(0, dtype=np.int64)
         most = sum((some.stop - some.start) // PATCH for some in self.stretches) * 2 * (self._range.size // PATCH)
         number = 0
         for some in self.stretches:
@@ -174,8 +177,10 @@ class _Stretches:
             patches = patches[chosen]
             quarters = patches.astype(np.float64).reshape(-1, 2, half, 2, half).mean(axis=(2, 4)).reshape(-1, 4)
             unevenness = np.ptp(quarters, axis=1) / quarters.mean(axis=1)
-            new = patches, unevenness, places.reshape(-1)[chosen]
-            kept = tuple(np.concatenate(pair) for pair in zip(kept, new))
+            kept = (
+                np.concatenate([kept[0], patches]), np.concatenate([kept[1], unevenness]),
+                np.concatenate([kept[2], places.reshape(-1)[chosen]]),
+            )  # fmt: skip
             if len(kept[0]) > 2 * EVENEST * most:
                 kept = _most_even(kept, math.ceil(EVENEST * most))
         patches = _most_even(kept, math.ceil(EVENEST * number))[0]
@@ -238,10 +243,10 @@ class _Stretches:
         return _measure_shadows(level, limit, columns)
 
 
-def _most_even(patches: tuple[Any, ...], count: int) -> tuple[Any, ...]:
-    """The first patches by unevenness and place; patches, unevenness and place of each."""
+def _most_even(patches: Patches, count: int) -> Patches:
+    """Take the first patches by unevenness and place."""
     first = np.lexsort(patches[:0:-1])[:count]
-    return tuple(each[first] for each in patches)
+    return patches[0][first], patches[1][first], patches[2][first]
 
 
 def _segments(values: NDArray[Any]) -> NDArray[Any]:

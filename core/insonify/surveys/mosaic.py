@@ -61,7 +61,7 @@ class Laid(Protocol):
     def corners(self) -> Floats:
         """Lower left and upper right corner of the rectangle that holds it, (2, 2)."""
 
-    def blocks(self, low: Floats, high: Floats) -> Iterator[tuple[Swath, int]]:
+    def blocks(self, low: Reals, high: Reals) -> Iterator[tuple[Swath, int]]:
         """Yield the pings that reach into a rectangle: blocks, each with the ping behind it, and the number without."""
 
 
@@ -116,7 +116,7 @@ def make_mosaic(swaths: Sequence[Laid], cell: float | None = None, overlap: str 
     height = max(STRIP // columns, 1)
     for first in range(0, rows, height):
         last = min(first + height, rows)
-        strip = _Extent(whole.low + [0, first], whole.low + [columns, last])
+        strip = _Extent(whole.low + np.array([0, first]), whole.low + np.array([columns, last]))
         parts = ((number, each.within(strip)) for number, each in enumerate(own))
         layers = (_lay(swaths[number], part, strip, cell, overlap) for number, part in parts if part.holds_cells)
         energy = _combine(layers, overlap, count[first:last])

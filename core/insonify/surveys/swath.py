@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Dataset, Floats, Singles
+from insonify.arrays import Dataset, Floats, Reals, Singles
 from insonify.display.normalisation import MedianCurve, normalise
 from insonify.display.sheet import find_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
@@ -41,7 +41,7 @@ class Swath(NamedTuple):
         """Lower left and upper right corner of the rectangle that holds the swath, (2, 2)."""
         return _rectangle(self.nadir, self.ends)
 
-    def blocks(self, low: Floats, high: Floats) -> Iterator[tuple["Swath", int]]:  # noqa: ARG002  all pings are one block
+    def blocks(self, low: Reals, high: Reals) -> Iterator[tuple["Swath", int]]:
         """Yield the pings, and their number."""
         yield self, self.altitude.size
 
@@ -74,7 +74,7 @@ class RecordSwath:
     def _curve(self) -> MedianCurve:
         return find_median_curve(self._record, self.altitude)
 
-    def blocks(self, low: Floats, high: Floats) -> Iterator[tuple[Swath, int]]:
+    def blocks(self, low: Reals, high: Reals) -> Iterator[tuple[Swath, int]]:
         """Yield the pings that reach into a rectangle: blocks, each with the ping behind it, and the number without."""
         for some, (least, most) in zip(self._pings, self._corners):
             if (most >= low).all() and (least <= high).all():

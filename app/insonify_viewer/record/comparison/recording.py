@@ -146,7 +146,7 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
 
 
 def explain_point(recording: Recording, mark: Mark) -> tuple[str, str]:
-    """Describe in two sentences what is known of a pixel of a recording, and where its echo comes from on a flat bed."""
+    """Describe in two sentences what is known of a pixel of a recording, on a flat bed."""
     known = describe_point(recording, mark)
     slant, altitude = recording.slant_range_of(mark.bin), float(recording.altitude[mark.ping])
     if not math.isfinite(altitude):

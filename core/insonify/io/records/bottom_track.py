@@ -43,12 +43,15 @@ def track_bottom(intensity: Echoes, bin_length: float) -> Floats:
     block = GROUP * max(TOGETHER // (GROUP * bins), 1)
     first_pings = range(0, pings, block)
     # Sums of scores forwards, of which the last ones of every block are kept; then the course backwards.
-    last, starts, best = None, [], np.empty((0, 0), dtype=np.float32)
+    last: Singles | None = None
+    starts: list[Singles | None] = []
+    best = np.empty((0, 0), dtype=np.float32)
     for first in first_pings:
         starts.append(last)
         best = _sum_scores(np.asarray(intensity[:, first : first + block]), width, last)
         last = best[-1].copy()
-    edges, contrast, behind = np.empty(pings, dtype=np.int64), np.empty(pings), None
+    edges, contrast = np.empty(pings, dtype=np.int64), np.empty(pings)
+    behind: int | None = None
     for first, start in zip(reversed(first_pings), reversed(starts)):
         echoes, some = np.asarray(intensity[:, first : first + block]), slice(first, first + block)
         if first != first_pings[-1]:
@@ -120,5 +123,6 @@ def _trace_back(best: Singles, behind: int | None) -> Integers:
     course = np.empty(len(best), dtype=np.int64)
     for ping in range(len(best) - 1, -1, -1):
         score = best[ping] if behind is None else best[ping] - np.abs(slope - slope[behind])
-        behind = course[ping] = np.argmax(score)
+        behind = int(np.argmax(score))
+        course[ping] = behind
     return course

@@ -164,7 +164,9 @@ def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
     unit = int(units[np.argmax(number)])
     known = _valid(headers, POSITION) & (headers["units"] == unit)
     declared, degrees = (
-        recording.Fixes(*(np.where(known, scale * headers[axis], 0.0) for axis in ("x", "y")), is_degrees)
+        recording.Fixes(
+            np.where(known, scale * headers["x"], 0.0), np.where(known, scale * headers["y"], 0.0), is_degrees
+        )
         for scale, is_degrees in ((METRES.get(unit, 0.0), False), (MINUTE_OF_ARC, True))
     )
     return degrees if unit == MINUTES else recording.settle_units(path, declared, degrees, times, np.zeros(1))

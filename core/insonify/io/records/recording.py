@@ -30,7 +30,6 @@ NEAR = 0.1  # relative difference of two frequencies that count as the same
 FARTHEST = 1e8  # m, of any map's coordinates
 DAY = 86400.0  # s
 ABSENT = -1  # format of a side that a ping lacks
-NO_SIDE = 0, ABSENT, 0.0
 FEW = 2**23  # echoes up to which a recording is held in memory
 TOGETHER = 2**20  # echoes that are decoded at a time
 ALIKE = 4.0  # ratio of two speeds that are the same
@@ -47,7 +46,7 @@ class SideFormat(NamedTuple):
 
     dtype: str  # of a number
     numbers: int  # of a sample: 1, or 2 of an analytic signal
-    count: int  # samples
+    length: int  # samples
     silent: int  # samples of the time between transmission and recording, which are not stored
     far_first: bool  # whether they are stored from far to near
     scale: float  # amplitude of the number 1
@@ -55,7 +54,7 @@ class SideFormat(NamedTuple):
     @property
     def stored(self) -> int:
         """Bytes in the file."""
-        return self.numbers * self.count * np.dtype(self.dtype).itemsize
+        return self.numbers * self.length * np.dtype(self.dtype).itemsize
 
     @property
     def unchecked(self) -> bool:
@@ -66,7 +65,7 @@ class SideFormat(NamedTuple):
     @property
     def samples(self) -> int:
         """Samples from the transmission on."""
-        return self.silent + self.count
+        return self.silent + self.length
 
     def decode(self, content: Bytes) -> Singles:
         """Amplitudes near to far, (pings, samples), from the bytes of some pings, (pings, stored)."""
@@ -85,6 +84,9 @@ class Side(NamedTuple):
     slant_range: float  # m, of its last edge
 
 
+NO_SIDE = Side(0, ABSENT, 0.0)
+
+
 class SideColumns(NamedTuple):
     """Echoes of both sides of some pings in a file, (2, pings) each; port first."""
 
@@ -94,25 +96,30 @@ class SideColumns(NamedTuple):
 
     def take(self, pings: Integers) -> "SideColumns":
         """Return those of some pings."""
-        return SideColumns(*(column[:, pings] for column in self))
+        return SideColumns(self.at[:, pings], self.format[:, pings], self.slant_range[:, pings])
 
 
 class EchoIndex:
     """Where a file holds the echoes of the pings of one frequency: 20 bytes a side, whatever its samples."""
 
     def __init__(self) -> None:
-        self._columns = array("q"), array("i"), array("d")
+        self._at, self._format, self._slant_range = array("q"), array("i"), array("d")
 
     def add(self, sides: Mapping[int, Side]) -> None:
         """Add a ping by the sides that it has, 0 port and 1 starboard."""
         for row in (0, 1):
-            for column, value in zip(self._columns, sides.get(row, NO_SIDE)):
-                column.append(value)
+            side = sides.get(row, NO_SIDE)
+            self._at.append(side.at)
+            self._format.append(side.format)
+            self._slant_range.append(side.slant_range)
 
     def columns(self) -> SideColumns:
         """Return the index of all pings."""
-        arrays = (np.frombuffer(column, dtype=column.typecode).reshape(-1, 2).T for column in self._columns)
-        return SideColumns(*arrays)
+        return SideColumns(
+            np.frombuffer(self._at, dtype=np.int64).reshape(-1, 2).T,
+            np.frombuffer(self._format, dtype=np.int32).reshape(-1, 2).T,
+            np.frombuffer(self._slant_range, dtype=np.float64).reshape(-1, 2).T,
+        )
 
 
 class StoredEchoes(NamedTuple):
@@ -134,8 +141,9 @@ class StoredEchoes(NamedTuple):
                     raise SceneError(f"{self.path}: has changed since it was opened; open it again")
                 for first in range(0, pings.size, together):
                     self._lay(file, pings[first : first + together], out[:, first : first + together], bin_length)
-        except OSError as error:
-            raise SceneError(f"{self.path}: cannot be read any more ({reason(error)}); open it again") from error
+        except (OSError, FileFault) as error:
+            why = error.fault if isinstance(error, FileFault) else reason(error)
+            raise SceneError(f"{self.path}: cannot be read any more ({why}); open it again") from error
         return np.square(out, out=out)
 
     def _lay(self, file: BinaryIO, pings: Integers, out: Singles, bin_length: float) -> None:
@@ -264,10 +272,11 @@ def _course_speed(fixes: Fixes, times: Floats) -> float:
     found = fixes.positions(times)
     if found is None or not times[-1] > 0.0:
         return 0.0
+    step = min(THIN, times.size - 1)
     every, thinned = (
-        float(np.hypot(*(np.diff(axis[::step]) for axis in found)).sum()) for step in (1, min(THIN, times.size - 1))
+        float(np.hypot(*(np.diff(axis[::some]) for axis in found)).sum() / times[::some][-1]) for some in (1, step)
     )
-    return thinned / float(times[-1]) if thinned > 0.5 * every else 0.0
+    return thinned if thinned > 0.5 * every else 0.0
 
 
 def _warn(path: Path, sentence: str) -> None:
@@ -331,13 +340,16 @@ def join_sides(sides: SideColumns, numbers: Integers, stamps: Integers) -> tuple
     kept[first + 1] = False
     begins = np.flatnonzero(kept)
     if first.size:
-        for column in sides:
+        columns: tuple[NDArray[Any], ...] = sides
+        for column in columns:
             column[:, first] = np.where(has[:, first], column[:, first], column[:, first + 1])
         whole = (sides.format[:, begins] != ABSENT).all(axis=0)
         if whole[0] and not whole[-1]:  # the file ends between port and starboard
             begins = begins[:-1]
     joined = sides if begins.size == lone.size else sides.take(begins)
-    return begins, SideColumns(*map(_without_repeats, joined))
+    return begins, joined._replace(
+        format=_without_repeats(joined.format), slant_range=_without_repeats(joined.slant_range)
+    )
 
 
 def _without_repeats(values: NDArray[Any]) -> NDArray[Any]:

@@ -198,9 +198,9 @@ class _Reader:
         fields = channel.NumSamples, channel.SlantRange, channel.TimeDuration, channel.Weight, ping.SoundVelocity
         found = self._kept.get((place, *fields))
         if found is None:
-            form, *known = _side_format(self._header, place, ping, channel)
+            form, slant_range, speed = _side_format(self._header, place, ping, channel)
             number = self.formats.setdefault(form, len(self.formats))
-            found = _Channel(number, *known, form if form.unchecked else None)
+            found = _Channel(number, slant_range, speed, form if form.unchecked else None)
             if len(self._kept) > MANY:
                 self._kept.clear()
             self._kept[place, *fields] = found
@@ -250,7 +250,7 @@ def _side_format(header: Any, place: int, ping: Any, channel: Any) -> tuple[reco
 
 def _track(path: Path, header: Any, columns: dict[str, Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded; columns are used up."""
-    start = [int(columns[name][0]) for name in ("Year", "Month", "Day", *CLOCK)]
+    first = {name: int(columns[name][0]) for name in ("Year", "Month", "Day", *CLOCK)}
     times = _seconds(path, columns)
     recorded = np.zeros(times.size, dtype=np.bool_)
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
@@ -271,8 +271,9 @@ def _track(path: Path, header: Any, columns: dict[str, Any]) -> recording.Record
     del speed, run
     attributes: dict[str, Any] = {} if place is None else place.attributes()
     with contextlib.suppress(ValueError):  # a date that the calendar does not have
-        *date, hundredths = start
-        attributes = {"time_coverage_start": datetime(*date, 10_000 * hundredths).isoformat()} | attributes  # type: ignore[arg-type]
+        year, month, day, hour, minute, second, hundredths = first.values()
+        start = datetime(year, month, day, hour, minute, second, 10_000 * hundredths)
+        attributes = {"time_coverage_start": start.isoformat()} | attributes
     depth = _column(columns, "SensorDepth")
     height = _first_of(columns, "SensorPrimaryAltitude", "SensorAuxAltitude")
     compass = _first_of(columns, "SensorHeading", "ShipGyro")
