@@ -91,17 +91,15 @@ def read_platform(path: str) -> Columns:
 
 
 def read_recording(path: str) -> Columns:
-    """Read the columns of navigation of a recording; of several pings at one tick of its clock, the first."""
+    """Read the columns of navigation of a recording."""
     record = read_record(path)
     names = {name: f"ping_{name}" if name == "time" else f"platform_{name}" for name in LIMITS}
     skipped = set(ON_EARTH if "platform_longitude" in record else ON_EARTH.values())
-    columns = {
+    return {
         name: record[stored].values.astype(np.float64)
         for name, stored in names.items()
         if stored in record.variables and name not in skipped
     }
-    ticks = np.append(True, np.diff(columns["time"]) > 0.0)
-    return {name: column[ticks] for name, column in columns.items()}
 
 
 CSV = FileFormat("comma-separated values", (".csv",), read_csv, remedy=CSV_REMEDY)
