@@ -13,8 +13,10 @@ from PySide6.QtWidgets import QFileDialog
 from insonify import simulate
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
+from insonify.io.records import recording as io_recording
 from insonify.scene import edit, load_scene
 from insonify.statistics.record_statistics import measure_statistics
+from insonify_viewer.record.comparison import recording as recording_module
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
 from insonify_viewer.record.comparison.recording import (
@@ -316,6 +318,24 @@ def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_th
     assert viewer.comparison.a is recording
     viewer.comparison.leave()
     assert viewer.comparison.a is None
+
+
+def test_a_long_recording_is_played_from_its_file_until_that_is_gone(viewer, folder, tmp_path, qtbot, monkeypatch):
+    whole = recording_module.load_recording(str(folder / "record.xtf"))
+    monkeypatch.setattr(recording_module, "MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(io_recording, "FEW", 0)
+    path = tmp_path / "record.xtf"
+    path.write_bytes((folder / "record.xtf").read_bytes())
+    recording = open_recording(viewer, path, qtbot)
+    np.testing.assert_array_equal(recording.overview, whole.overview)
+    for ping in (PINGS - 1, 31):
+        viewer.window.record_a.scrubbed.emit(ping)
+        row = viewer.window.record_a.record.rows(np.array([ping]))[0]
+        expected = np.concatenate([whole.amplitude[ping, 0, ::-1], whole.amplitude[ping, 1]])
+        np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
+    assert describe_point(recording, Mark(20, 1, 200)) == describe_point(whole, Mark(20, 1, 200))
+    path.unlink()
+    assert describe_point(recording, Mark(20, 1, 200))["level"] == "its file is gone"
 
 
 def test_a_long_recording_is_held_in_part_and_headings_are_those_of_the_compass(folder):

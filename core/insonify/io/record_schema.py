@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Dataset, Floats, Reals, Singles
+from insonify.arrays import Dataset, Floats, Integers, Reals, Singles
 from insonify.io.georeference import Georeference, to_degrees
 
 CHANNELS = ("port", "starboard")
@@ -89,7 +89,7 @@ def split_record(record: Dataset, multiple: int = 1, together: int | None = None
     return (slice(first, min(first + block, pings)) for first in range(0, pings, block))
 
 
-def read_echoes(record: Dataset, pings: slice) -> Singles:
+def read_echoes(record: Dataset, pings: slice | Integers) -> Singles:
     """Intensities of some pings, (n, 2, bins); port first."""
     return np.moveaxis(np.asarray(record.variables["intensity"][:, pings]), 0, 1)
 

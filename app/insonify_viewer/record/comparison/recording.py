@@ -13,6 +13,7 @@ import numpy as np
 from insonify.arrays import Dataset, Floats, Singles
 from insonify.io.georeference import find_georeference, to_degrees
 from insonify.io.records import RECORDS
+from insonify.scene import SceneError
 from insonify_viewer.record.record import MAX_CELLS, MAX_PINGS
 from insonify_viewer.record.record_image import COLUMNS
 from insonify_viewer.state.inspection import Mark
@@ -133,7 +134,6 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
 
 def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
     """Describe a point of a recording: where the sonar was, and what it received."""
-    level = float(recording.amplitude[mark.ping : mark.ping + 1][0, mark.side, mark.bin])
     return {
         "ping": f"{mark.ping} of {recording.pings}",
         "time": _time(recording, mark.ping),
@@ -141,8 +141,16 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
         "heading": _quantity(compass_heading(recording.value("heading", mark.ping)), ".1f", "°"),
         "altitude": _quantity(recording.value("altitude", mark.ping), ".2f", " m"),
         "slant range": f"{recording.slant_range_of(mark.bin):.2f} m, {mark.side_name}",
-        "level": f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo",
+        "level": _level(recording, mark),
     }
+
+
+def _level(recording: Recording, mark: Mark) -> str:
+    try:
+        level = float(recording.amplitude[mark.ping : mark.ping + 1][0, mark.side, mark.bin])
+    except SceneError:  # of a long recording whose file has been moved
+        return "its file is gone"
+    return f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo"
 
 
 def explain_point(recording: Recording, mark: Mark) -> tuple[str, str]:
