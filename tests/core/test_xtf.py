@@ -177,6 +177,9 @@ def test_a_clock_that_goes_back_counts_on_and_is_told(tmp_path):
         record = read_record(write_xtf(tmp_path / "a.xtf", pings))
     assert (np.diff(record.ping_time) > 0.0).all()
     assert np.diff(record.platform_x).max() < 1.0
+    with pytest.warns(FileWarning, match="its clock goes back at ping 1"):
+        record = read_record(write_xtf(tmp_path / "a.xtf", [{**pings[0], "Second": 9 - n} for n in range(5)]))
+    np.testing.assert_array_equal(record.ping_time, np.arange(5.0))
 
 
 @pytest.mark.parametrize("numbered", ["alike", "each", "not"])

@@ -287,12 +287,12 @@ def spread_ticks(path: Path, clock: Floats) -> Floats:
     """Seconds from the first ping to each, by a clock that may tick more rarely than the sonar pings."""
     # The pings of a tick are spread over the time to the next one; a recording without a clock gets a ping a second.
     number = np.arange(clock.size, dtype=np.float64)
-    if not np.ptp(clock) > 0.0:
-        return number
     back = np.flatnonzero(np.diff(clock) < 0.0)
     if back.size:
         _warn(path, f"its clock goes back at ping {back[0] + 1}; it counts again from where it was before")
         clock = np.maximum.accumulate(clock)
+    if not np.ptp(clock) > 0.0:
+        return number
     first = np.flatnonzero(np.diff(clock, prepend=-np.inf) > 0.0)  # pings of the ticks
     if first.size == clock.size:
         return clock - clock[0]
