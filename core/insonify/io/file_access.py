@@ -75,7 +75,7 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
 def warn_of_file(path: str, remarks: Iterable[str]) -> None:
     """Warn of what is doubtful in a file that is used, in one line."""
     if sentence := "; ".join(remarks):
-        warnings.warn(FileWarning(f"{path}: {sentence}"), stacklevel=3)
+        warn_caller(FileWarning(f"{path}: {sentence}"))
 
 
 def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collection[str], largest: int) -> str:

@@ -3,7 +3,6 @@
 A format is one module here that holds a `FileFormat`.
 """
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Floats
-from insonify.errors import FileWarning
+from insonify.errors import FileWarning, warn_caller
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
@@ -74,7 +73,7 @@ def read_grid(path: str) -> Grid:
                 "if they are degrees, name its reference system, for example in a .prj file or with rio edit-info --crs"
             )
             text = f"{path}: has no reference system, and its cells of {grid.spacing[0]:g} count as metres; {advice}"
-            warnings.warn(FileWarning(text), stacklevel=2)
+            warn_caller(FileWarning(text))
     return grid
 
 
