@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from insonify.arrays import Dataset, Integers, Singles
-from insonify.errors import PlanWarning
+from insonify.errors import PlanWarning, warn_caller
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import PackedScene, pack
@@ -308,7 +308,7 @@ def prepare(
         else:
             plan = choose_model(packed, tolerance, method, wishes)
             if plan.error > tolerance:
-                warnings.warn(PlanWarning(plan.describe_excess(tolerance)), stacklevel=3)
+                warn_caller(PlanWarning(plan.describe_excess(tolerance)))
         arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
         return Simulation(
             packed.scene,
@@ -396,20 +396,21 @@ def simulate_blocks(
     pings : range, optional
         Successive pings, such as those that a record still lacks; all of the track when left out.
 
-    Yields
-    ------
-    Dataset
+    Returns
+    -------
+    iterator of Dataset
         Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
-        whole record.
+        whole record. The bed and the plan are made for the first one.
 
     Raises
     ------
     SceneError
-        One sentence with what is wrong and the remedy.
+        One sentence with what is wrong and the remedy: at once for the other arguments, with the first block for what
+        is wrong in the scene.
     """
     request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    for simulated in simulate_record_blocks(scene, **request, truth=truth, block=block, pings=pings):
-        yield simulated.to_dataset()
+    blocks = simulate_record_blocks(scene, **request, truth=truth, block=block, pings=pings)
+    return (simulated.to_dataset() for simulated in blocks)
 
 
 def simulate_record_blocks(
@@ -424,15 +425,23 @@ def simulate_record_blocks(
     threads: int | None = None,
 ) -> Iterator[RecordBlock]:
     """Simulate a scene's record with the parameters of `simulate_blocks`, as blocks of plain arrays."""
-    if block is not None and block < 1:
-        raise SceneError(f"block: {block} is too few pings; give at least 1")
-    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
-    if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
-        raise SceneError(f"pings: {pings} is not part of the track; give successive ones of its {scene.track.pings}")
-    simulation = prepare(scene, **request, threads=threads)
-    attributes = record_attributes(scene, simulation.plan, **request)
-    so_far: list[TargetTruth] = []
-    for traced in simulation.record_blocks(truth, block, pings):
-        if truth:
-            so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
-        yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
+    if block is not None and not (isinstance(block, Integral) and block >= 1):
+        raise SceneError(f"block: {block!r} is not a number of pings; give at least 1")
+    count, successive = scene.track.pings, isinstance(pings, range) and pings.step == 1
+    if pings is not None and not (successive and 0 <= pings.start <= pings.stop <= count):
+        fault = f"{pings!r:.80} is not part of the track"
+        raise SceneError(f"pings: {fault}; give a range of successive ones of its {count}")
+    with limited_threads(threads):
+        check_request(scene, tolerance, method, forced or {})
+
+    def blocks() -> Iterator[RecordBlock]:
+        request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+        simulation = prepare(scene, **request, threads=threads)
+        attributes = record_attributes(scene, simulation.plan, **request)
+        so_far: list[TargetTruth] = []
+        for traced in simulation.record_blocks(truth, block, pings):
+            if truth:
+                so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
+            yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
+
+    return blocks()

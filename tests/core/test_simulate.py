@@ -56,17 +56,21 @@ def test_the_dataset_keeps_the_contract():
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        *(({"block": block}, f"^block: {block} .*; give at least 1$") for block in (0, -1)),
+        *(({"block": block}, f"^block: {block} .*; give at least 1$") for block in (0, -1, 2.5)),
         *(({"threads": threads}, f"^threads: {threads} is too few; give at least 1$") for threads in (0, -2)),
         *(
             ({"pings": pings}, r"^pings: range.* successive ones of its 71$")
             for pings in (range(-1, 5), range(3, 72), range(0, 60, 2), range(9, 3))
         ),
+        ({"pings": [4, 5]}, r"^pings: \[4, 5\] .*; give a range of successive ones of its 71$"),
+        ({"tolerance": 0.0}, "^tolerance: 0.0 is not above 0;"),
+        ({"method": "swep"}, "swep"),
+        ({"forced": {"plane": "3"}}, "^model: 'plane' is not a choice"),
     ],
 )
-def test_no_pings_blocks_or_threads_are_refused(options, sentence):
+def test_wrong_pings_blocks_threads_and_choices_are_refused_before_the_first_block(options, sentence):
     with pytest.raises(SceneError, match=sentence):
-        next(simulate_blocks(small(71), **options))
+        simulate_blocks(small(71), **options)
 
 
 def test_echoes_alone_are_traced_by_as_many_threads_as_a_simulation_has():

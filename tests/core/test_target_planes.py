@@ -14,7 +14,7 @@ from insonify.kernels.beam.pattern import is_top_hat, shared_response
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning.probe import trace_model
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate
+from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import make_poses
 from insonify.tracers.azimuth_fan import lay_planes, lay_planes_of_images
@@ -102,6 +102,10 @@ def test_an_estimated_error_beyond_the_tolerance_is_told():
     hard = edit(load_scene("default"), {"sonar.beam.width": 10.0, "track.pings": 2, "seabed.relief.rms": 0.3})
     with pytest.warns(PlanWarning, match=r"the estimated error of the record is .* more than the tolerance of 0.1 %"):
         simulate(hard, tolerance=0.001)
+    for call in (prepare, simulate, lambda *scene, **how: next(simulate_blocks(*scene, **how))):
+        with pytest.warns(PlanWarning) as told:
+            call(hard, tolerance=0.001)
+        assert [warning.filename for warning in told] == [__file__]
     easy = edit(hard, {"sonar.beam": "knife", "targets": []})
     with warnings.catch_warnings():
         warnings.simplefilter("error")
