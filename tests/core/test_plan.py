@@ -25,7 +25,6 @@ from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 from insonify.tracers import sweep
-from insonify.tracers.azimuth_fan import lay_planes
 from random_scenes import planned_scene
 
 DEFAULT = load_scene("default")
@@ -51,9 +50,6 @@ def test_a_knife_or_a_bed_without_detail_needs_one_plane_and_a_plain_scene_the_b
     assert bare.bed.heights is simulation.arrays.bed.heights
 
 
-GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
-
-
 @pytest.mark.parametrize(
     ("less", "more", "setting"),
     [
@@ -70,13 +66,15 @@ def test_more_detail_across_a_wider_beam_needs_more_planes(less, more, setting):
 
 
 def test_a_glint_takes_more_planes_of_its_own_pings():
-    def planes(changes):
-        simulation = prepare(edit(BARE, GLINT | changes))
-        poses = simulation.poses(np.arange(240, 272, 4))
-        laid = lay_planes(simulation.reduced, poses, **simulation.plan.settings)
-        return sum(places.size * fan.azimuth.size for places, fan in laid)
+    def planes(material):
+        ball = {"kind": "sphere", "position": [0, 20], "material": material}
+        simulation = prepare(edit(BARE, {"targets": [ball], "seabed.relief": "flat"}))
+        return simulation.trace_pings(simulation.poses(np.arange(0, 12, 2))).planes
 
-    assert planes({"targets.0.material": "steel"}) > planes({})
+    dull, bright = planes("silt"), planes("steel")
+    assert (bright >= dull).all()
+    assert bright.sum() > dull.sum()
+    assert (bright[3:] == 1).all()  # the level bed beside it is alike across the beam
 
 
 @pytest.mark.parametrize("planes", [5, 7, 12])
