@@ -3,6 +3,7 @@
 Theory: docs/theory/error.md.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -52,8 +53,8 @@ def errors_of_sides(squares: Floats) -> Floats:
 
 
 def more_across(planes: int, first: int, across: int) -> int:
-    """Planes across each target of a ping with more planes than the first number of them."""
-    return across * -(-planes // first)
+    """Planes across each target of a ping with more planes than the first number of them: by the root of both."""
+    return across * max(round(math.sqrt(planes / first)), 1)
 
 
 def trace_until(

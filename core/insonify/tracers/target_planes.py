@@ -11,6 +11,7 @@ import numpy as np
 
 from insonify.array_cache import remember_latest
 from insonify.arrays import Booleans, Floats, Integers
+from insonify.kernels.beam.divided_sectors import AT_EDGE, LEAST, divide_sectors
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.scene import Scene
@@ -25,8 +26,6 @@ BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond 
 COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
 CORNERS = 4  # of a solid from above
-LEAST = 1e-9  # rad, by which edges of sectors differ
-AT_EDGE = 1e-4  # share of a plane's width within which an end of a target is at its edge
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
@@ -167,66 +166,18 @@ def find_planes_to_divide(fan: AzimuthFan, sectors: TargetSectors, pings: slice,
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
-    """Divide the planes of a fan that are too wide for the targets of one ping."""
-    # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
-    needs = find_planes_to_divide(fan, sectors, slice(ping, ping + 1), height)[0]
+    """Divide the planes of a fan that are too wide for the targets of one ping, or hold their borders."""
     low, high = _edges(fan)
-    a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
-    corners = sectors.corners[ping, needs.any(axis=0)].ravel()
-    corners = corners[(low.min() < corners) & (corners < high.max())]
-    a, b = (np.clip(border, low.min(), high.max()) for border in (a, b))
-    edges = _place_edges((low, high), needs.any(axis=1), a, b, corners)
-    middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    is_plane, parent = _find_parents(low, high, middle)
-    covered = (a <= middle[:, None]) & (middle[:, None] <= b) & needs.any(axis=1)[parent][:, None]
-    counts = np.maximum(width / np.where(covered, step, math.inf).min(axis=1), 1.0)
-    # Where many bodies lie in the beam, their planes are laid farther apart in equal parts.
-    stretch = max(float(counts[is_plane].sum()) / (MOST_OF_EACH * across + low.size), 1.0)
-    parts = np.where(is_plane, np.ceil(np.maximum(counts / stretch, 1.0) - LEAST), 0.0).astype(np.int64)
-    number = np.concatenate([np.arange(n) for n in parts])
-    size = np.repeat(width / np.maximum(parts, 1), parts)
-    start = np.repeat(edges[:-1], parts) + number * size
-    return _make_fan(fan, (low, high), start, start + size, np.concatenate([a, b, corners]))
-
-
-def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats, corners: Floats) -> Floats:
-    """Edges of planes and of bodies, without those of divided planes that lie across a body."""
-    low, high = planes
-    own = np.unique(np.concatenate(planes))
-    touching = (np.abs(own[:, None] - low) < LEAST) | (np.abs(own[:, None] - high) < LEAST)
-    across = ((a + LEAST < own[:, None]) & (own[:, None] < b - LEAST)).any(axis=1)
-    kept = own[~(across & (dense | ~touching).all(axis=1) & (own != 0.0))]
-    # Sectors of a top-hat lie on one side of athwart.
-    edges = np.unique(np.concatenate([kept, a, b, corners, [0.0] if low.min() < 0.0 < high.max() else []]))
-    return edges[np.append(True, np.diff(edges) > LEAST)]
-
-
-def _find_parents(low: Floats, high: Floats, azimuth: Floats) -> tuple[Booleans, Integers]:
-    """Whether azimuths lie in planes, which may have gaps between them, and in which."""
-    order = np.argsort(low)
-    parent = order[np.maximum(np.searchsorted(low[order], azimuth, side="right") - 1, 0)]
-    return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
-
-
-def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats, borders: Floats) -> AzimuthFan:
-    """Planes between edges, in place of those of a fan; at borders of targets others begin."""
-    (_, first), (_, parent), (_, last) = (
-        _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)
-    )
-    share = (high - low) / (planes[1] - planes[0])[parent]
+    planes = np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
+    bodies = np.column_stack([column[ping] for column in sectors[:4]])
+    most = MOST_OF_EACH * across + low.size
+    parts = divide_sectors(planes, bodies, sectors.corners[ping], float(height[ping]), most)
+    low, high, angle, far_angle, near_field, reach, apart = parts.T
     sines = np.sin(low), np.sin(high)
     if (fan.s_low >= 0.0).all():  # of a top-hat, for which both sides of athwart are alike
         sines = np.minimum(*np.abs(sines)), np.maximum(*np.abs(sines))
-    return AzimuthFan(
-        azimuth=0.5 * (low + high),
-        s_low=sines[0],
-        s_high=sines[1],
-        angle=fan.angle[parent] * share,
-        far_angle=fan.far_angle[parent] * share,
-        near_field=fan.near_field[parent],
-        reach=np.maximum(np.maximum(fan.reach[first], fan.reach[last]), fan.reach[parent]),
-        apart=np.asarray((np.abs(low[:, None] - borders) < LEAST).any(axis=1)),
-    )
+    columns = [np.ascontiguousarray(each) for each in (0.5 * (low + high), *sines, angle, far_angle, near_field, reach)]
+    return AzimuthFan(*columns, apart=apart > 0.5)
 
 
 def _edges(fan: AzimuthFan) -> tuple[Floats, Floats]:
