@@ -20,7 +20,7 @@ from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
-from insonify.tracers.plane_counts import TracedPings, errors_of_sides
+from insonify.tracers.plane_counts import TracedPings, errors_over_bed
 from insonify.tracers.sweep import trace_measured
 
 FEW = 12  # pings at least on which models are compared
@@ -30,11 +30,11 @@ OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
-MEASURED = 12  # pings on which the errors of planes are measured
+MEASURED = 16  # pings on which the errors of planes are measured
 FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
-LEAST_TRUST = 0.3
+LEAST_TRUST = 0.15
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
@@ -168,7 +168,7 @@ class Probe:
             one, other = (each.echoes[:, :, self._near :] * self._scale[:count] for each in (few, many))
             missed, whole = (np.square(part).sum(axis=(1, 2), dtype=np.float64) for part in (one - other, other))
             errors = np.stack(
-                [_ratio(missed, whole), *(errors_of_sides(each.squares.sum(axis=1)) for each in (few, many))]
+                [_ratio(missed, whole), *(errors_over_bed(each.squares.sum(axis=1)) for each in (few, many))]
             )
             self._laws[model] = _fit_law(errors, [group for group in (~across, across) if group.any()])
         return self._laws[model]

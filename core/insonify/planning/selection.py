@@ -106,7 +106,8 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
     entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
-    left_out = math.hypot(*(entry.error for entry in entries if entry.subject != PLANES.subject))
+    # A single plane is not measured ping by ping.
+    left_out = math.hypot(*(entry.error for entry in entries if entry.subject != PLANES.subject or model.planes == 1))
     error = math.hypot(*(entry.error for entry in entries))
     return Plan(model, tuple(entries), error, left_out, _find_goal(case, model, tolerance), case.work(model), cost)
 
@@ -150,7 +151,10 @@ def _choose(case: Case, choice: Choice, model: Model, most: float, tolerance: fl
     """Model with the setting of one choice."""
     values = choice.settings(case, model)
     if choice is PLANES and len(values) > 1:
-        return model._replace(planes=PLANES.law(case, model).cheapest(values, most))
+        if values[0] == 1 and PLANES.single_error(case, model) <= most:
+            return model._replace(planes=1)
+        counts = [count for count in values if count > 1]
+        return model._replace(planes=PLANES.law(case, model).cheapest(counts, most))
     *coarser, finest = (model._replace(**{choice.field: value}) for value in values)
     if choice.stage == GRID:  # coarser nodes make longer segments, which may take more work
         enough = takewhile(lambda one: choice.error(case, one) <= most, reversed(coarser))

@@ -46,10 +46,21 @@ def errors_of_sides(squares: Floats) -> Floats:
 
     Those are over the bins beyond 1.4 altitudes, over all from the first return of the bed, and over the water column.
     """
-    norms = np.stack([squares[..., BEYOND, :], squares[..., COLUMN + 1 :, :].sum(axis=-2), squares[..., COLUMN, :]])
-    missed, whole = norms[..., 0], norms[..., 1]
+    column = _root_of_ratio(squares[..., COLUMN, :])
+    return np.asarray(np.maximum(errors_over_bed(squares), column))
+
+
+def errors_over_bed(squares: Floats) -> Floats:
+    """Estimated errors as `errors_of_sides` has them, without that over the water column."""
+    beyond, bed = squares[..., BEYOND, :], squares[..., COLUMN + 1 :, :].sum(axis=-2)
+    return np.asarray(np.maximum(_root_of_ratio(beyond), _root_of_ratio(bed)))
+
+
+def _root_of_ratio(squares: Floats) -> Floats:
+    """Root of the ratio of squares, 0 where the record is zero and infinite where the error is not known."""
+    missed, whole = squares[..., 0], squares[..., 1]
     found = np.sqrt(np.divide(missed, whole, out=np.zeros_like(missed), where=whole > 0.0))
-    return np.asarray(np.where(np.isnan(found), np.inf, found).max(axis=0))
+    return np.where(np.isnan(found), np.inf, found)
 
 
 def more_across(planes: int, first: int, across: int) -> int:

@@ -84,7 +84,9 @@ class Planes(Number):
             return (wish,)
         if case.is_level and not case.scene.receiver.speckle.interferes:
             return (1,)
-        return tuple(count for count in COUNTS if count >= LEAST_PLANES)
+        # A single plane stands for a whole beam over a level bed, but for borders of its materials.
+        single = (1,) if case.scene.seabed.relief.level and not case.scene.receiver.speckle.interferes else ()
+        return single + tuple(count for count in COUNTS if count >= LEAST_PLANES)
 
     def law(self, case: Case, model: Model) -> PlaneLaw:
         """Errors by the number of planes, beside the least of other settings."""
@@ -92,9 +94,17 @@ class Planes(Number):
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of a number of planes by the law that is measured; none for a beam without width."""
-        if self.settings(case, model) == (1,) and self.wish(case) is None:
-            return 0.0
+        if self.wish(case) is None:
+            if self.settings(case, model) == (1,):
+                return 0.0
+            if model.planes == 1:
+                return self.single_error(case, model)
         return self.law(case, model).of(model.planes)
+
+    def single_error(self, case: Case, model: Model) -> float:
+        """Error of one plane over a level bed of several materials, which pings do not measure themselves."""
+        coarse = _swept(case)._replace(across=model.across)
+        return case.probe.difference(coarse, coarse._replace(planes=MANY_PLANES), nearer=1.0, cautious=True)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -104,7 +114,9 @@ class Planes(Number):
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
         if error == 0.0:
-            reason = "a level bed of one material without targets is alike across the beam"
+            reason = "a level bed of one material is alike across the beam; a ping that meets a target has several"
+        elif model.planes == 1 and self.wish(case) is None:
+            reason = f"on a level bed, 1 and {MANY_PLANES} planes differ by {percent(error)} on {case.pings(model)}"
         else:
             few = percent(self.law(case, model).error)
             reason = (
