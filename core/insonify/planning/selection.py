@@ -116,9 +116,11 @@ def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
     """Error of its planes with which the tracing of a ping ends; none where their number is forced or of no account."""
     if PLANES.wish(case) is not None or not (PLANES.applies(model) and case.scene.sonar.beam.has_width):
         return None
-    if model.planes > 1:
-        return Goal(OF_PLANES * tolerance, PLANES.law(case, model).trust)
-    return Goal(OF_PLANES * tolerance) if model.across > 0 else None  # pings that meet a target have several
+    if model.planes == 1 and model.across == 0:  # else pings that meet a target have several
+        return None
+    trust = PLANES.law(case, model).trust
+    # Beside a level bed that errs by nothing the pings measured are a few that meet targets: too few to be trusted more.
+    return Goal(OF_PLANES * tolerance, trust if model.planes > 1 else max(trust, 1.0))
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:

@@ -26,6 +26,7 @@ BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond 
 COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
 CORNERS = 4  # of a solid from above
+LEANING = 0.5  # sine of the angle with the level below which a body counts as lying
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
@@ -205,6 +206,10 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: Floats) -> _Outlines:
     some = Solids(*(column[kept] for column in solids))
     x, y, radius, first, hulls = _hulls_of(some, mesh)
     materials = reflectivity[np.append(some.material, mesh.material[np.unique(mesh.target, return_index=True)[1]])]
+    # The end of a body that lies nearly level is seen from aside at its middle, which leans by as much to both sides.
+    radius[: CORNERS * some.length.size][
+        np.repeat((some.length > 0.0) & (np.abs(some.axis[:, 2]) < LEANING), CORNERS)
+    ] = 0.0
     # A ball turns its side with azimuth as an upright cylinder does, a level one and a flat side do not.
     upright = np.where(is_ball[kept], 1.0, np.abs(some.axis[:, 2]))
     lobe = 1.0 / np.sqrt(np.maximum(materials[:, 2], 1.0))
