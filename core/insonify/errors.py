@@ -1,5 +1,7 @@
 """The error that reports a mistake in a scene or a file to the user."""
 
+import inspect
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -24,7 +26,15 @@ class FileWarning(UserWarning):
 
 
 class PlanWarning(UserWarning):
-    """The estimated error of a record exceeds the tolerance, in one sentence that names the choice that errs most."""
+    """The estimated error of a record or of some pings exceeds the tolerance, in one sentence with the remedy."""
+
+
+def warn_caller(warning: Warning) -> None:
+    """Issue a warning at the line outside of this package that led here."""
+    frame, level = inspect.currentframe(), 1
+    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == __name__.partition(".")[0]:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(warning, stacklevel=level)
 
 
 @contextmanager

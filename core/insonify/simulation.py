@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Dataset, Integers, Singles
-from insonify.errors import PlanWarning
+from insonify.arrays import Dataset, Floats, Integers, Singles
+from insonify.errors import PlanWarning, warn_caller
 from insonify.io.record_block import RecordBlock
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import PackedScene, pack
@@ -22,6 +21,7 @@ from insonify.receiver import Reception, Traced, assemble, prepare_setup, record
 from insonify.receiver.levels import Crosstalk
 from insonify.receiver.water_column import WaterColumn
 from insonify.record.labels import Columns
+from insonify.record.record_error import RecordError
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
 from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
@@ -52,7 +52,9 @@ class PingBlock(NamedTuple):
 
     pings: Integers  # (n,) their numbers
     poses: Poses  # their poses
-    columns: Columns  # ``intensity``, and labels by their names if requested, (n, 2, bins) each
+    # ``intensity``, and labels by their names if requested, (n, 2, bins) each; ``error`` of sides, (n, 2), ``ping_error``
+    # and ``planes`` of pings, (n,), and ``record_error`` of all pings so far.
+    columns: Columns
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,6 +65,7 @@ class Simulation(PackedScene):
     """
 
     plan: Plan  # method and settings of the tracing
+    tolerance: float  # greatest error that a ping is to have
     reduced: SceneArrays  # the scene without the effects that the plan leaves out, which is traced
     tiles: TerrainTiles  # the ground about each ping, with as many nodes as the plan keeps
     tracer: PreparedTracer  # the method that finds echoes
@@ -135,11 +138,16 @@ class Simulation(PackedScene):
         """Arguments of the tracer for a ping of a number of planes."""
         return _with_planes(self.plan.settings, planes, self.plan.planes)
 
-    def errors(self, traced: TracedPings) -> Singles:
-        """Estimated errors of traced pings by sides, (n, 2): those of planes, and of what the plan leaves out."""
-        goal = self.plan.goal
-        planes = errors_of_sides(traced.squares) * (1.0 if goal is None else goal.trust)
-        return np.hypot(planes, self.plan.left_out).astype(np.float32)
+    def errors(self, squares: Floats) -> Singles:
+        """Estimated errors from their squares, (.., regions, 2): those of planes, and of what the plan leaves out.
+
+        Where planes give no estimate it is the error that the plan has measured; NaN in a plan that measured nothing.
+        """
+        plan = self.plan
+        planes = errors_of_sides(squares) * (1.0 if plan.goal is None else plan.goal.trust)
+        is_estimated = (squares[..., 1].sum(axis=-1) > 0.0) & np.isfinite(planes)
+        measured = plan.error if plan.entries else np.nan
+        return np.where(is_estimated, np.hypot(planes, plan.left_out), measured).astype(np.float32)
 
     def expect(self, pings: Integers) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
@@ -200,12 +208,15 @@ class Simulation(PackedScene):
         self, truth: Truth = False, block: int | None = None, pings: range | None = None
     ) -> Iterator[PingBlock]:
         """Trace and receive successive pings, or all, as many at a time as take some time and memory."""
-        size = self._block_size(truth, streamed=True) if block is None else block
+        size, error = self._block_size(truth, streamed=True) if block is None else block, RecordError(self.tolerance)
         wanted = range(self.scene.track.pings) if pings is None else pings
         for first in range(wanted.start, wanted.stop, size):
             some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
             poses = self.poses(some)
-            yield PingBlock(some, poses, self._columns(some, poses, truth))
+            columns = self._columns(some, poses, truth)
+            error.add(some, columns["ping_error"], columns["planes"])
+            yield PingBlock(some, poses, columns | {"record_error": np.array(error.whole)})
+        error.warn()
 
     def record_whole(self, truth: Truth, progress: Callable[[int, int], None] | None) -> PingBlock:
         """Trace and receive all pings, block by block into arrays of the record's length."""
@@ -224,6 +235,10 @@ class Simulation(PackedScene):
                     whole[name][part] = column
             if progress is not None:
                 progress(part.stop, pings.size)
+        error = RecordError(self.tolerance)
+        error.add(pings, whole["ping_error"], whole["planes"])
+        error.warn()
+        whole["record_error"] = np.array(error.whole)
         return PingBlock(pings, poses, whole)
 
     def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
@@ -235,8 +250,8 @@ class Simulation(PackedScene):
             columns = {name: getattr(labels, name) for name in (OF_TARGETS if alone else labels._fields)}
         if not (truth and self._traces_by_labelling):
             traced = self.trace_pings(poses)
-        errors = self.errors(traced)
-        return {"intensity": self.record(pings, poses, out, traced), "error": errors} | columns
+        errors = {"error": self.errors(traced.squares), "ping_error": self.errors(traced.squares.sum(axis=1))}
+        return {"intensity": self.record(pings, poses, out, traced), "planes": traced.planes} | errors | columns
 
     @property
     def _traces_by_labelling(self) -> bool:
@@ -308,13 +323,14 @@ def prepare(
         else:
             plan = choose_model(packed, tolerance, method, wishes)
             if plan.error > tolerance:
-                warnings.warn(PlanWarning(plan.describe_excess(tolerance)), stacklevel=3)
+                warn_caller(PlanWarning(plan.describe_excess(tolerance)))
         arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
         return Simulation(
             packed.scene,
             packed.ground,
             arrays,
             plan=plan,
+            tolerance=tolerance,
             reduced=packed.reduce(plan.model),
             tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
             tracer=tracer,

@@ -10,7 +10,7 @@ from insonify.arrays import Integers
 from insonify.compiler.build import own_build
 from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import coordinates, echo_variable, platform, target_variables
+from insonify.io.record_schema import coordinates, echo_variable, error_variables, platform, target_variables
 from insonify.kernels.common.types import Poses
 from insonify.planning import Plan
 from insonify.record.labels import Columns, LabelledBlock, label_variables, name_parts
@@ -32,7 +32,7 @@ def make_block(
     """Make the block of a record that holds some pings."""
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
-    variables = echo_variable(columns["intensity"])
+    variables = echo_variable(columns["intensity"]) | error_variables(columns)
     variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
     if truth is not None:
         variables |= label_variables(LabelledBlock(scene, ground, poses, columns))

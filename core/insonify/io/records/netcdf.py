@@ -15,7 +15,7 @@ from insonify.io.file_access import FileFault, check_expansion, one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.isolation import run_isolated
 from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
-from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
+from insonify.io.record_schema import CONVENTIONS, LATEST
 
 ALONG = "ping_time"
 CHUNK_BYTES = 1e6
@@ -94,7 +94,7 @@ def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
         if ALONG in variable.dims:
             place = tuple(slice(start, stop) if dim == ALONG else slice(None) for dim in variable.dims)
             file[name][place] = _stored(variable.values)
-        elif first or name in TARGET_TRUTH:
+        elif first or name in LATEST:
             file[name][...] = _stored(variable.values)
 
 

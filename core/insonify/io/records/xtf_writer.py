@@ -35,7 +35,8 @@ DEGREES, METRES = 3, 0  # of NavUnits
 SLANT_RANGE = 1  # of CorrectionFlags
 # A record without a place is put into the sea north of Mallorca, on the central meridian of a UTM zone.
 NOWHERE = Georeference("+proj=tmerc +lat_0=40 +lon_0=3 +ellps=WGS84 +units=m", (0.0, 0.0))
-MADE_UP = " (place made up)"
+MADE_UP, ERROR = " (place made up)", ", error {:.2g} %"
+NOTE = 63  # letters of a note
 NO_DATE = "2000-01-01T00:00:00"
 # Vertical beam, in degrees, where the record has none: from the horizontal to nadir.
 TILT, OPENING = 45.0, 90.0
@@ -67,6 +68,7 @@ class _Survey(NamedTuple):
     duration: float  # s, two-way, to that edge
     bins: int
     loudest: float  # greatest amplitude
+    error: float  # estimated error of the record; NaN where it is not known
 
 
 def counts(dtype: np.dtype[Any]) -> float:
@@ -93,9 +95,10 @@ def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
     """Store the amplitudes of all pings one after another; return their navigation."""
     parts: list[dict[str, NDArray[Any]]] = []
     attributes: Mapping[str, Any] = {}
-    loudest = 0.0
+    loudest, error = 0.0, math.nan
     for block in blocks:
         variables = block.variables
+        error = float(variables["record_error"].values) if "record_error" in variables else math.nan
         amplitude = np.sqrt(variables["intensity"].along("ping_time", "channel", "range_sample"))
         np.ascontiguousarray(amplitude, dtype=np.float32).tofile(spool)
         loudest = max(loudest, float(amplitude.max()))
@@ -107,7 +110,7 @@ def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
     times = np.concatenate([part["ping_time"] for part in parts])
     unknown = np.full(times.size, np.nan)
     columns = {name: np.concatenate([part[name] for part in parts]) if name in first else unknown for name in PLATFORM}
-    return _Survey(attributes, times, columns, edge, duration, first["slant_range"].size, loudest)
+    return _Survey(attributes, times, columns, edge, duration, first["slant_range"].size, loudest, error)
 
 
 def _unit(loudest: float, kind: SampleType) -> float:
@@ -126,7 +129,8 @@ def _file_header(survey: _Survey, kind: SampleType, unit: float) -> Any:
     header.RecordingProgramName, header.RecordingProgramVersion = PROGRAM, b"1"
     header.SonarName = PROGRAM
     place, title = find_georeference(survey.attributes), str(survey.attributes.get("title", ""))
-    note = title[:63] if place else f"{title[: 63 - len(MADE_UP)]}{MADE_UP}"
+    notes = ("" if place else MADE_UP) + ("" if math.isnan(survey.error) else ERROR.format(100.0 * survey.error))
+    note = f"{title[: NOTE - len(notes)]}{notes}"
     header.NoteString = note.encode("ascii", "replace")
     header.NavUnits = METRES if place is not None and not place.crs else DEGREES
     header.NumberOfSonarChannels = 2

@@ -1,0 +1,46 @@
+"""Estimated error of a record: that of its pings so far, and a warning of those whose tracing could not reach its goal."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from insonify.arrays import Floats, Integers
+from insonify.errors import PlanWarning, warn_caller
+from insonify.planning.plan_entries import percent
+from insonify.tracers.plane_counts import MOST_PLANES
+
+
+@dataclass
+class RecordError:
+    """Estimated errors of the pings of a record so far."""
+
+    tolerance: float
+    known: int = 0  # pings of a known error
+    squares: float = 0.0  # of their errors, in all
+    over: int = 0  # pings whose error exceeds the tolerance with the most planes
+    worst: tuple[float, int] = (0.0, -1)  # the greatest error of those, and its ping
+
+    def add(self, pings: Integers, errors: Floats, planes: Integers) -> None:
+        """Add pings by their numbers, their estimated errors and the planes that they are traced by."""
+        known = errors[~np.isnan(errors)].astype(np.float64)
+        self.known, self.squares = self.known + known.size, self.squares + float(known @ known)
+        over = np.flatnonzero((planes >= MOST_PLANES) & (errors > self.tolerance))
+        self.over += over.size
+        self.worst = max([self.worst, *((float(errors[k]), int(pings[k])) for k in over)])
+
+    @property
+    def whole(self) -> float:
+        """Root of the mean square of the errors; NaN where none is known."""
+        return float(np.sqrt(self.squares / self.known)) if self.known else float("nan")
+
+    def warn(self) -> None:
+        """Warn of the pings whose error exceeds the tolerance."""
+        if self.over == 0:
+            return
+        error, ping = self.worst
+        pings = "1 ping exceeds" if self.over == 1 else f"{self.over} pings exceed"
+        text = (
+            f"the estimated error of {pings} the tolerance of {percent(self.tolerance)} with {MOST_PLANES} planes, most "
+            f"of all ping {ping} with {percent(error)}; raise the tolerance, or leave out pings by the record's 'error'"
+        )
+        warn_caller(PlanWarning(text))
