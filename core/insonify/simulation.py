@@ -119,8 +119,8 @@ class Simulation(PackedScene):
 
     @property
     def _estimates_errors(self) -> bool:
-        """Whether the planes of each ping estimate its error: those of the sweep, but of interfering waves."""
-        return isinstance(self.tracer, Sweep) and not self.reception.sums_waves
+        """Whether the planes of each ping estimate its error: those of the sweep, which sums energies."""
+        return isinstance(self.tracer, Sweep)
 
     def _trace_by(self, planes: Integers, poses: Poses, arrays: SceneArrays) -> Traced:
         """Trace pings by given numbers of planes."""
