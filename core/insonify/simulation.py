@@ -11,6 +11,7 @@ import numpy as np
 from insonify.arrays import Dataset, Floats, Integers, Singles
 from insonify.errors import PlanWarning, warn_caller
 from insonify.io.record_block import RecordBlock
+from insonify.io.record_schema import RECORD_ERROR
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import PackedScene, pack
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -52,8 +53,8 @@ class PingBlock(NamedTuple):
 
     pings: Integers  # (n,) their numbers
     poses: Poses  # their poses
-    # ``intensity``, and labels by their names if requested, (n, 2, bins) each; ``error`` of sides, (n, 2), ``ping_error``
-    # and ``planes`` of pings, (n,), and ``record_error`` of all pings so far.
+    # ``intensity``, and labels by their names if requested, (n, 2, bins) each; ``error`` of sides, (n, 2);
+    # ``ping_error`` and ``planes`` of pings, (n,); with the last ping ``record_error`` of all of them.
     columns: Columns
 
 
@@ -215,8 +216,10 @@ class Simulation(PackedScene):
             poses = self.poses(some)
             columns = self._columns(some, poses, truth)
             error.add(some, columns["ping_error"], columns["planes"])
-            yield PingBlock(some, poses, columns | {"record_error": np.array(error.whole)})
-        error.warn()
+            if some.size and some[-1] == wanted.stop - 1:
+                columns[RECORD_ERROR] = np.array(error.whole)
+            yield PingBlock(some, poses, columns)
+        self._warn_of(error)
 
     def record_whole(self, truth: Truth, progress: Callable[[int, int], None] | None) -> PingBlock:
         """Trace and receive all pings, block by block into arrays of the record's length."""
@@ -237,9 +240,14 @@ class Simulation(PackedScene):
                 progress(part.stop, pings.size)
         error = RecordError(self.tolerance)
         error.add(pings, whole["ping_error"], whole["planes"])
-        error.warn()
-        whole["record_error"] = np.array(error.whole)
+        self._warn_of(error)
+        whole[RECORD_ERROR] = np.array(error.whole)
         return PingBlock(pings, poses, whole)
+
+    def _warn_of(self, error: RecordError) -> None:
+        """Warn of pings beyond the tolerance, unless the plan is known to exceed it."""
+        if self.plan.goal is not None and self.plan.error <= self.tolerance:
+            error.warn()
 
     def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
         """Intensity of some pings and its estimated errors, and their labels if requested."""
@@ -250,8 +258,8 @@ class Simulation(PackedScene):
             columns = {name: getattr(labels, name) for name in (OF_TARGETS if alone else labels._fields)}
         if not (truth and self._traces_by_labelling):
             traced = self.trace_pings(poses)
-        errors = {"error": self.errors(traced.squares), "ping_error": self.errors(traced.squares.sum(axis=1))}
-        return {"intensity": self.record(pings, poses, out, traced), "planes": traced.planes} | errors | columns
+        columns |= {"error": self.errors(traced.squares), "ping_error": self.errors(traced.squares.sum(axis=1))}
+        return {"intensity": self.record(pings, poses, out, traced), "planes": traced.planes, **columns}
 
     @property
     def _traces_by_labelling(self) -> bool:

@@ -1,4 +1,4 @@
-"""Estimated error of a record: that of its pings so far, and a warning of those whose tracing could not reach its goal."""
+"""Estimated error of a record, and a warning of pings that even the most planes do not bring within the tolerance."""
 
 from dataclasses import dataclass
 
@@ -38,9 +38,8 @@ class RecordError:
         if self.over == 0:
             return
         error, ping = self.worst
-        pings = "1 ping exceeds" if self.over == 1 else f"{self.over} pings exceed"
-        text = (
-            f"the estimated error of {pings} the tolerance of {percent(self.tolerance)} with {MOST_PLANES} planes, most "
-            f"of all ping {ping} with {percent(error)}; raise the tolerance, or leave out pings by the record's 'error'"
-        )
-        warn_caller(PlanWarning(text))
+        pings = "ping has" if self.over == 1 else "pings have"
+        beyond = f"beyond the tolerance of {percent(self.tolerance)} with {MOST_PLANES} planes"
+        remedy = "raise the tolerance, or leave such pings out by the variable 'error'"
+        worst = f"the greatest is ping {ping} with {percent(error)}"
+        warn_caller(PlanWarning(f"{self.over} {pings} an estimated error {beyond}, {worst}; {remedy}"))

@@ -15,7 +15,7 @@ from insonify.io.file_access import FileFault, check_expansion, one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.isolation import run_isolated
 from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
-from insonify.io.record_schema import CONVENTIONS, LATEST
+from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
 
 ALONG = "ping_time"
 CHUNK_BYTES = 1e6
@@ -94,8 +94,10 @@ def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
         if ALONG in variable.dims:
             place = tuple(slice(start, stop) if dim == ALONG else slice(None) for dim in variable.dims)
             file[name][place] = _stored(variable.values)
-        elif first or name in LATEST:
+        elif first or name in TARGET_TRUTH:
             file[name][...] = _stored(variable.values)
+    # Those of the whole record come with its last block.
+    file.setncatts({key: _plain(value) for key, value in block.attributes.items() if key not in file.ncattrs()})
 
 
 def _lay_out(file: Any, block: RecordBlock, compression: str) -> None:
@@ -114,7 +116,7 @@ def _lay_out(file: Any, block: RecordBlock, compression: str) -> None:
         layout = {"chunksizes": _chunks(variable), "fill_value": False, **packed} if chunked else {}
         made = file.createVariable(name, stored, variable.dims, **layout)
         made.setncatts(_attributes(block, name, variable))
-    file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attributes.items()})
+    file.setncatts(CONVENTIONS)
 
 
 def _chunks(variable: RecordVariable) -> list[int]:

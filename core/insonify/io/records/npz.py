@@ -12,7 +12,7 @@ from insonify.arrays import Dataset
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import ACROSS, BOX, ERRORS, LATEST, TARGET_TRUTH
+from insonify.io.record_schema import ACROSS, BOX, ERRORS, TARGET_TRUTH
 
 ALONG = "ping_time"
 ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
@@ -26,10 +26,10 @@ def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for name, variable in parts[0].variables.items():
             along = ALONG in variable.dims
-            used = parts if along else parts[-1:] if name in LATEST else parts[:1]
+            used = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
             axis = variable.dims.index(ALONG) if along else 0
             _write_joined(archive, name, [_stored(part.variables[name].values) for part in used], axis)
-        for key, value in parts[0].attributes.items():
+        for key, value in parts[-1].attributes.items():
             _write_joined(archive, f"{ATTRIBUTE}{key}", [_stored(np.array(value))], 0)
 
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from insonify.arrays import Floats, Singles
 from insonify.io.georeference import Georeference, convergence, find_georeference, to_degrees
 from insonify.io.record_block import RecordBlock
-from insonify.io.record_schema import PLATFORM
+from insonify.io.record_schema import PLATFORM, RECORD_ERROR
 
 PROGRAM = b"insonify"
 ALONG_TRACK, ALONG_RANGE = ("ping_time", *PLATFORM), ("slant_range", "travel_time")
@@ -68,7 +68,6 @@ class _Survey(NamedTuple):
     duration: float  # s, two-way, to that edge
     bins: int
     loudest: float  # greatest amplitude
-    error: float  # estimated error of the record; NaN where it is not known
 
 
 def counts(dtype: np.dtype[Any]) -> float:
@@ -95,22 +94,21 @@ def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
     """Store the amplitudes of all pings one after another; return their navigation."""
     parts: list[dict[str, NDArray[Any]]] = []
     attributes: Mapping[str, Any] = {}
-    loudest, error = 0.0, math.nan
+    loudest = 0.0
     for block in blocks:
         variables = block.variables
-        error = float(variables["record_error"].values) if "record_error" in variables else math.nan
         amplitude = np.sqrt(variables["intensity"].along("ping_time", "channel", "range_sample"))
         np.ascontiguousarray(amplitude, dtype=np.float32).tofile(spool)
         loudest = max(loudest, float(amplitude.max()))
         parts.append({name: variables[name].values for name in (*ALONG_TRACK, *ALONG_RANGE) if name in variables})
-        attributes = attributes or block.attributes
+        attributes = block.attributes  # the last has the error of the whole record
     first = parts[0]
     edge = float(first["slant_range"][-1] + first["slant_range"][0])  # the first centre is half a bin from 0
     duration = edge * float(first["travel_time"][-1] / first["slant_range"][-1])
     times = np.concatenate([part["ping_time"] for part in parts])
     unknown = np.full(times.size, np.nan)
     columns = {name: np.concatenate([part[name] for part in parts]) if name in first else unknown for name in PLATFORM}
-    return _Survey(attributes, times, columns, edge, duration, first["slant_range"].size, loudest, error)
+    return _Survey(attributes, times, columns, edge, duration, first["slant_range"].size, loudest)
 
 
 def _unit(loudest: float, kind: SampleType) -> float:
@@ -129,7 +127,8 @@ def _file_header(survey: _Survey, kind: SampleType, unit: float) -> Any:
     header.RecordingProgramName, header.RecordingProgramVersion = PROGRAM, b"1"
     header.SonarName = PROGRAM
     place, title = find_georeference(survey.attributes), str(survey.attributes.get("title", ""))
-    notes = ("" if place else MADE_UP) + ("" if math.isnan(survey.error) else ERROR.format(100.0 * survey.error))
+    error = float(survey.attributes.get(RECORD_ERROR, math.nan))
+    notes = ("" if place else MADE_UP) + ("" if math.isnan(error) else ERROR.format(100.0 * error))
     note = f"{title[: NOTE - len(notes)]}{notes}"
     header.NoteString = note.encode("ascii", "replace")
     header.NavUnits = METRES if place is not None and not place.crs else DEGREES
