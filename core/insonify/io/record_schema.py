@@ -39,7 +39,10 @@ TARGET_TRUTH = {
     "shadow_length": (BOX[:2], "m", "slant range from the first to the last bin of the longest shadow of a ping"),
     "target_strength": (BOX[:1], "dB", "target strength re 1 m2 within the beam, of the ping with the strongest echo"),
 }
-ERRORS = {"error": (ACROSS[:2], "1", "estimated error of the ping's side, share of its record")}
+ERRORS = {
+    "error": (ACROSS[:2], "1", "estimated error of the ping's side, share of its record"),
+    "bin_error": (ACROSS, "1", "estimated error of the bin's mean intensity"),
+}
 RECORD_ERROR = "record_error"  # attribute: root of the mean square of the estimated errors of all pings
 CONVENTIONS = {"Conventions": "CF-1.10"}
 
