@@ -19,9 +19,11 @@ def scene(path, *, spacing=0.1, origin=None, **dem):
     return build({"world": world, "seabed": {"spacing": spacing, "relief": relief}})
 
 
-def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), driver="GTiff", **profile):
-    """Write rows from north to south; the corner is that of the north-western pixel."""
-    rows = np.asarray(rows, dtype=np.complex64 if np.iscomplexobj(rows) else np.float32)
+def write_tiff(
+    path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), driver="GTiff", dtype=np.float32, band=None, **profile
+):
+    """Write rows from north to south, with attributes of their band; the corner is that of the north-western pixel."""
+    rows = np.asarray(rows, dtype=np.complex64 if np.iscomplexobj(rows) else dtype)
     if corner is not None:
         profile["transform"] = Affine(pixel[0], 0.0, corner[0], 0.0, -pixel[1], corner[1])
     with warnings.catch_warnings():
@@ -30,6 +32,8 @@ def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), driver="GT
             path, "w", driver=driver, height=rows.shape[0], width=rows.shape[1], count=1, dtype=rows.dtype, **profile
         ) as raster:
             raster.write(rows, 1)
+            for name, value in (band or {}).items():
+                setattr(raster, name, value)
     return path
 
 

@@ -43,7 +43,7 @@ def write_jsf(path: Path, pings: list[dict], subsystems=(20,), **message_fields)
         for subsystem in subsystems:
             for channel, samples in enumerate(ping["samples"]):
                 frequency = {} if subsystem == 20 else {"start": 22_000, "end": 24_464, "more": 0x11}  # 900 kHz
-                body = trace(samples, number, **{**frequency, **fields})
+                body = trace(samples, **{"ping": number, **frequency, **fields})
                 content += message(80, body, subsystem=subsystem, channel=channel, **message_fields)
         content += message(2020, bytes(44))
     path.write_bytes(content)

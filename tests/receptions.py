@@ -52,3 +52,22 @@ def correlation(energy: np.ndarray, lag: int, axis: int) -> float:
     """Correlation of energies of mean 1 so many samples apart."""
     centred = np.moveaxis(energy - 1.0, axis, 0)
     return float((centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean())
+
+
+def field_correlation(
+    wavelength: float, length: float, taper: str, ways: int, r: float, lags: np.ndarray
+) -> np.ndarray:
+    """Correlation of the waves of a line of scatterers at r by exact distances from every element of an array."""
+    place = (np.arange(600) + 0.5) / 600.0 - 0.5
+    shapes = {
+        "uniform": np.ones(600),
+        "cosine": np.cos(np.pi * place),
+        "hamming": 0.54 + 0.46 * np.cos(2 * np.pi * place),
+    }
+    step, reach = min(0.002, wavelength * r / 16.0 / length), max(2.0 * length, 10.0 * wavelength * r / length)
+    x, wave_number = np.arange(-reach, reach, step), 2.0 * math.pi / wavelength
+    away = np.exp(1j * wave_number * (np.hypot(r, x) - r))
+    field = sum(w * np.exp(1j * wave_number * (np.hypot(r, x - u * length) - r)) for u, w in zip(place, shapes[taper]))
+    density = np.abs(np.fft.fft(field * (field if ways == 2 else away), 4 * x.size)) ** 2
+    found = np.fft.ifft(density)[: x.size]
+    return np.asarray(np.interp(lags, step * np.arange(x.size), np.abs(found / found[0])))

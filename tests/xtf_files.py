@@ -14,7 +14,7 @@ PING = {"samples": [FAR_TO_NEAR, NEAR_TO_FAR]}
 
 
 def write_xtf(path: Path, pings: list[dict], *, channels=(PORT, STARBOARD), kind="<u2", told=True, **fields) -> Path:
-    """Write pings, each ``{"samples": [array a channel, in stored order], field: value, ...}``."""
+    """Write pings, each ``{"samples": [array a channel, in stored order, or None], field: value, ...}``."""
     header = pyxtf.XTFFileHeader()
     header.NumberOfSonarChannels = len(channels)
     header.NavUnits = 3
@@ -36,13 +36,15 @@ def packet(number: int, ping: dict, kind: str = "<u2") -> bytes:
     samples, reaches = ping.pop("samples"), ping.pop("reaches", None)
     weight = ping.pop("Weight", 0)
     header = pyxtf.XTFPingHeader()
-    header.NumChansToFollow = len(samples)
+    header.NumChansToFollow = sum(values is not None for values in samples)
     header.PingNumber = number
     header.Second = number
     for name, value in ping.items():
         setattr(header, name, value)
     body = b""
     for channel, values in enumerate(samples):
+        if values is None:
+            continue
         head = pyxtf.XTFPingChanHeader()
         head.ChannelNumber = channel
         head.NumSamples = len(values)

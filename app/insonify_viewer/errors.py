@@ -85,9 +85,12 @@ class FaultReport:
         known, self._last = self._last, repr(error)
         return self._last != known
 
-    def forget(self) -> None:
-        """Note a success."""
-        self._last = ""
+    def report(self, error: Exception | None) -> None:
+        """Report how work on a thread ended; a `SceneError` is dropped, because the simulator reports it too."""
+        if error is None:
+            self._last = ""
+        elif not isinstance(error, SceneError) and self.is_news(error):
+            report_fault(error)
 
 
 def report_fault(error: Exception) -> None:

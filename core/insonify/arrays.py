@@ -17,3 +17,4 @@ Complexes = NDArray[np.complex128]
 Integers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 Booleans = NDArray[np.bool_]
+Echoes = Any  # (2, pings, bins) intensities: an array, or what gives one by slices of pings

@@ -126,10 +126,12 @@ def serve(answer: Callable[[Any, Callable[[Any], None]], None], idle: float) -> 
 def _take_requests(requests: queue.SimpleQueue[Any]) -> None:
     """Read requests at once, so that the parent need not wait; end the process with the parent."""
     # Without a buffer, which the interpreter would wait for when it ends.
-    with open(0, "rb", buffering=0, closefd=False) as sent, contextlib.suppress(EOFError, OSError):
-        while True:
-            requests.put(_read(sent))
-    os._exit(0)
+    try:
+        with open(0, "rb", buffering=0, closefd=False) as sent:
+            while True:
+                requests.put(_read(sent))
+    finally:  # whatever ended it: the parent would wait for an answer
+        os._exit(0)
 
 
 def _write(stream: Any, value: Any) -> None:

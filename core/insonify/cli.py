@@ -7,7 +7,7 @@ import importlib.metadata
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout, suppress
 from functools import partial
 from importlib import import_module
@@ -18,12 +18,15 @@ from insonify.commands import OF_VIEWER, OWN
 from insonify.compiler.cache_folder import CacheWarning
 from insonify.compiler.progress import watch_compilation
 from insonify.errors import FileWarning, PlanWarning, SceneError, plain_text
-from insonify.plugins import announced, modules_in
+from insonify.foreign_settings import MATPLOTLIB, ignore_settings
+from insonify.plugins import announced, loaded, modules_in
 from insonify.progress import CompilationBar
 
+ignore_settings(MATPLOTLIB)
 COMMANDS = "insonify.commands"  # a package, and a group of entry points
 VIEWER = "insonify_viewer"
 WRONG, INTERRUPTED = 2, 130
+LONG = 1000  # characters of either end of a sentence
 ABOUT = ("-h", "--help", "--version")
 APT = (
     "sudo apt-get install -y libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
@@ -69,6 +72,9 @@ class _PlainOutput:
     def write(self, text: str) -> int:
         return self._stream.write(plain_text(text))
 
+    def writelines(self, lines: Iterable[str]) -> None:
+        self._stream.writelines(map(plain_text, lines))
+
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
 
@@ -76,14 +82,20 @@ class _PlainOutput:
 def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """Write what a file or a plan lacks as one sentence, and other warnings as Python does."""
     if issubclass(category, (FileWarning, PlanWarning, CacheWarning)):
-        sys.stderr.write(f"insonify: {plain_text(' '.join(str(message).split()))}\n")
+        sys.stderr.write(f"insonify: {_plain_sentence(str(message))}\n")
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
 
 
+def _plain_sentence(text: str) -> str:
+    """Text on one line, as a terminal may show it; a long name or value within is cut, fault and remedy stay."""
+    text = plain_text(" ".join(text.split()))
+    return text if len(text) <= 2 * LONG else f"{text[:LONG]} … {text[-LONG:]}"
+
+
 def _complain(sentence: str) -> int:
     with suppress(OSError):  # standard error on a full disk: the exit code remains
-        sys.stderr.write(f"insonify: {plain_text(' '.join(sentence.split()))}\n")
+        sys.stderr.write(f"insonify: {_plain_sentence(sentence)}\n")
         sys.stderr.flush()
     return WRONG
 
@@ -107,7 +119,7 @@ class _Parser(argparse.ArgumentParser):
     """Argument parser that reports a mistake in one line, without the usage."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(WRONG, f"{self.prog}: {message}; see '{self.prog} --help'\n")
+        self.exit(WRONG, f"{self.prog}: {_plain_sentence(message)}; see '{self.prog} --help'\n")
 
 
 def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, Any]]:
@@ -133,13 +145,13 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
             for name, line in OF_VIEWER.items():
                 subparsers.add_parser(name, help=line)
             continue
+        if not _is_of_viewer(entry):
+            loaded([entry], lambda register: register(subparsers))
+            continue
         try:
             entry.load()(subparsers)
         except ImportError as error:
-            if _is_of_viewer(entry):
-                missing = error
-            else:
-                sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
+            missing = error
     if "view" not in subparsers.choices:
         from insonify.commands.options import add_scene  # lazy: loads the models of the scene
 
@@ -150,7 +162,7 @@ def build_parser(command: str = "") -> tuple[argparse.ArgumentParser, dict[str, 
 
 
 def _is_of_viewer(entry: importlib.metadata.EntryPoint) -> bool:
-    return entry.module.partition(".")[0] == VIEWER
+    return entry.value.partition(".")[0] == VIEWER
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:
@@ -180,7 +192,5 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
 
     path = check_output(getattr(arguments, "snapshot", None) or free_name(FALLBACK), (".png",))
     write(chosen_scene(arguments), path, DisplayOptions())
-    sys.stderr.write(
-        f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
-    )
+    _complain(f"the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}")
     return NO_WINDOW

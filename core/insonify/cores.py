@@ -7,7 +7,7 @@ from functools import cache
 from multiprocessing import parent_process
 from pathlib import Path
 
-from insonify.errors import SceneError
+from insonify.errors import SceneError, is_count
 from insonify.operating_system import call_after_fork
 
 VARIABLE = "INSONIFY_THREADS"
@@ -21,7 +21,7 @@ def most_threads() -> int:
     declared = os.environ.get(VARIABLE, "").strip()
     if not declared:
         return usable_cores()
-    if not (declared.isdecimal() and int(declared) > 0):
+    if not (is_count(declared) and int(declared) > 0):
         raise SceneError(
             f"{VARIABLE}: {declared!r} is not a number of threads; set it to a whole number from 1, or unset it"
         )

@@ -1,12 +1,14 @@
 """Find extensions: the modules of a package, and the entry points that installed packages announce."""
 
 import pkgutil
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
 from typing import Any
+
+from insonify.errors import ExtensionWarning, warn_caller
 
 
 def modules_in(package: str, *, without: Container[str] = ()) -> list[ModuleType]:
@@ -24,7 +26,19 @@ def announced(group: str) -> Iterable[EntryPoint]:
 @cache
 def extensions(package: str, group: str) -> tuple[Any, ...]:
     """Return the modules of a package, if it is named, and what a group's entry points hold, all imported once."""
-    return (*(modules_in(package) if package else ()), *(entry.load() for entry in announced(group)))
+    return (*(modules_in(package) if package else ()), *loaded(announced(group)))
+
+
+def loaded(entries: Iterable[EntryPoint], use: Callable[[Any], Any] = lambda held: held) -> list[Any]:
+    """Return what becomes of what entry points hold; one that cannot be loaded or used is named, and left out."""
+    found = []
+    for entry in entries:
+        try:
+            found.append(use(entry.load()))
+        except (Exception, SystemExit) as error:  # any package may be broken in any way
+            sentence = f"{entry.name!r} of {entry.value} is left out ({type(error).__name__}: {error})"
+            warn_caller(ExtensionWarning(f"{sentence}; update or remove the package that announces it"))
+    return found
 
 
 _entry_points: Any = cache(entry_points)  # looked up once: it takes 2 ms, and every family of kinds needs them

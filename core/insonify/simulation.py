@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -466,21 +467,21 @@ def simulate_blocks(
     pings : range, optional
         Successive pings, such as those that a record still lacks; all of the track when left out.
 
-    Yields
-    ------
-    Dataset
+    Returns
+    -------
+    iterator of Dataset
         Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
-        whole record.
+        whole record. The bed and the plan are made for the first one.
 
     Raises
     ------
     SceneError
-        One sentence with what is wrong and the remedy.
+        One sentence with what is wrong and the remedy: at once for the other arguments, with the first block for what
+        is wrong in the scene.
     """
     request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     request |= {"truth": truth, "bin_error": bin_error, "block": block, "pings": pings}
-    for simulated in simulate_record_blocks(scene, **request):
-        yield simulated.to_dataset()
+    return (simulated.to_dataset() for simulated in simulate_record_blocks(scene, **request))
 
 
 def simulate_record_blocks(
@@ -496,16 +497,24 @@ def simulate_record_blocks(
     threads: int | None = None,
 ) -> Iterator[RecordBlock]:
     """Simulate a scene's record with the parameters of `simulate_blocks`, as blocks of plain arrays."""
-    if block is not None and block < 1:
-        raise SceneError(f"block: {block} is too few pings; give at least 1")
-    request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
-    if pings is not None and not (pings.step == 1 and 0 <= pings.start <= pings.stop <= scene.track.pings):
-        raise SceneError(f"pings: {pings} is not part of the track; give successive ones of its {scene.track.pings}")
-    simulation = prepare(scene, **request, threads=threads)
-    simulation.require_bin_errors(bin_error)
-    attributes = record_attributes(scene, simulation.plan, **request)
-    so_far: list[TargetTruth] = []
-    for traced in simulation.record_blocks(truth, block, pings, bin_error=bin_error):
-        if truth:
-            so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
-        yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
+    if block is not None and not (isinstance(block, Integral) and block >= 1):
+        raise SceneError(f"block: {block!r} is not a number of pings; give at least 1")
+    count, successive = scene.track.pings, isinstance(pings, range) and pings.step == 1
+    if pings is not None and not (successive and 0 <= pings.start <= pings.stop <= count):
+        fault = f"{pings!r:.80} is not part of the track"
+        raise SceneError(f"pings: {fault}; give a range of successive ones of its {count}")
+    with limited_threads(threads):
+        check_request(scene, tolerance, method, forced or {})
+
+    def blocks() -> Iterator[RecordBlock]:
+        request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+        simulation = prepare(scene, **request, threads=threads)
+        simulation.require_bin_errors(bin_error)
+        attributes = record_attributes(scene, simulation.plan, **request)
+        so_far: list[TargetTruth] = []
+        for traced in simulation.record_blocks(truth, block, pings, bin_error=bin_error):
+            if truth:
+                so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
+            yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
+
+    return blocks()

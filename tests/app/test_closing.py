@@ -2,6 +2,7 @@
 
 import gc
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -288,12 +289,15 @@ def test_unsaved_work_is_bounded_offered_after_a_crash_alone_and_removed_by_clos
         assert sorted(path.suffix for path in folder.iterdir()) == sorted([*suffixes, ".lock", ".lock"])
         assert other.find_left() is None, "its window runs"
     other.close()
-    # What cannot be read is removed.
+    # What cannot be read is removed, and the lock of a window that was killed without unsaved work.
+    killed = folder / "unsaved-999999999-dead.lock"
+    killed.write_text(f"999999999\nviewer\n{platform.node()}\n")
     (folder / "unsaved-0-bad.toml").write_text("no scene [")
     write_contacts(folder / "unsaved-0-bad.geojson", [FISH])
     left = recovery.find_left()
     assert left is not None
     assert (left.scene, left.contacts) == (None, (FISH,))
+    assert not killed.exists()
     assert not (folder / "unsaved-0-bad.toml").exists()
     (folder / "unsaved-0-bad.geojson").write_text("no contacts")
     assert recovery.find_left() is None

@@ -113,6 +113,11 @@ def test_a_fault_of_core_slot_thread_or_job_is_one_sentence_and_the_window_lives
         assert [kind for kind, *_ in printed] == [ValueError, ValueError]
         assert "bug in insonify (ValueError: cannot convert" in viewer.window.status.sentence.text()
         assert "in fail" in copied(viewer)
+    # So is one after which there is nothing to receive.
+    with qtbot.captureExceptions() as printed:
+        viewer.simulator.executor.submit("other", fail, len)
+        qtbot.waitUntil(lambda: len(printed) == 2)
+    assert [kind for kind, *_ in printed] == [ValueError, TypeError]
     # A job that failed or crashed offers its details.
     viewer.window.open_panel("jobs")
     panel = viewer.panels["jobs"]

@@ -213,6 +213,7 @@ def test_tools_fit_the_window_and_stand_in_menus_with_their_keys_which_are_all_l
     copied = QGuiApplication.clipboard().text()
     assert f"insonify {version('insonify')}" in copied
     assert "MIT licence" in copied
+    assert "LGPL" in copied
     assert "To cite it" in copied
     # The window lies on its screen with its frame.
     room = window.screen().availableGeometry()

@@ -10,10 +10,12 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
 from insonify.lessons.lesson import Lesson, load_lessons, parse_lesson
+from insonify.lessons.questions import order_choices
 from insonify.lessons.states import LessonState, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import edit
 from insonify_viewer.application import enlarge_text, keep_display
+from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.state.session import Session
@@ -199,6 +201,21 @@ def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(
     assert not page.ask.note.isVisible()
 
 
+@pytest.mark.parametrize("run", ["morning", "noon", "evening", "night"])
+@pytest.mark.parametrize("text", ["Faster", "Slower"])
+def test_a_choice_is_signalled_by_its_place_in_the_file_wherever_it_stands(qtbot, run, text):
+    ask = next(step.ask for step in ASKED[0].steps if step.ask and step.ask.choices)
+    box, answers = QuestionBox(), []
+    qtbot.addWidget(box)
+    box.answered.connect(lambda *answer: answers.append(answer))
+    box.show_question("Faster?", ask, run)
+    rows = [row.label.text() for row in box.choices]
+    assert rows == [ask.choices[place].text for place in order_choices("Faster?", ask, run)]
+    box.choices[rows.index(text)].button.click()
+    box.answer.click()
+    assert answers == [(text, [choice.text for choice in ask.choices].index(text))]
+
+
 def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, monkeypatch):
     _, panel = open_lessons(*ASKED, started=True)
     page, summary = panel.view.page, panel.view.summary
@@ -208,14 +225,16 @@ def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, 
     page.next.click()
     assert shown(page) == (False, False)
     assert not page.ask.answer.isEnabled()
-    qtbot.mouseClick(page.ask.choices[1].label, Qt.MouseButton.LeftButton)
+    rows = {row.label.text(): row for row in page.ask.choices}
+    qtbot.mouseClick(rows["Slower"].label, Qt.MouseButton.LeftButton)
     page.ask.answer.click()
     page.show_me.click()
     assert page.verdict.text() == "✗ Not quite: it is Faster. Fewer planes are traced."
     page.next.click()
     assert page.reveal.isVisible(), "the last step asks nothing in advance"
     page.back.click()
-    assert [row.button.isChecked() for row in page.ask.choices] == [False, True], "the answer is kept"
+    assert [*rows] == [row.label.text() for row in page.ask.choices], "the order is that of the run"
+    assert [row.label.text() for row in page.ask.choices if row.button.isChecked()] == ["Slower"], "the answer is kept"
     page.next.click()
     page.next.click()
     assert panel.view.currentWidget() is summary

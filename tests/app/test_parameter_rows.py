@@ -117,6 +117,7 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
 
     def watched(scene):
         threads.add(threading.current_thread())
+        1.0 / (scene.sonar.beam.width - 3.0)
         return beam_curve(scene)
 
     monkeypatch.setattr(registry, "beam_curve", watched)
@@ -130,6 +131,14 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
     assert viewer.session.settle({"sonar.beam.width": 4.0})
     qtbot.waitUntil(lambda: picture.curves[0].note.startswith("−3 dB: 4°"))
     assert threading.main_thread() not in threads, "painting computes nothing"
+    # A fault on the thread is reported, and the next scene has its curves.
+    with qtbot.captureExceptions() as printed:
+        assert viewer.session.settle({"sonar.beam.width": 3.0})
+        qtbot.waitUntil(lambda: not picture.curves)
+    assert [kind for kind, *_ in printed] == [ZeroDivisionError]
+    assert viewer.session.settle({"sonar.beam.width": 4.0})
+    qtbot.waitUntil(lambda: bool(picture.curves))
+    assert picture.curves[0].note.startswith("−3 dB: 4°")
     # What has no curve takes no room.
     changes = {"sonar.beam": {"kind": "knife"}, "sonar.pulse": {"kind": "ideal"}, "seabed.material.diffuse": 0.2}
     assert viewer.session.settle(changes)

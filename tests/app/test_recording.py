@@ -13,11 +13,19 @@ from PySide6.QtWidgets import QFileDialog
 from insonify import simulate
 from insonify.cli import main
 from insonify.io.records import read_record, write_record
+from insonify.io.records import recording as io_recording
 from insonify.scene import edit, load_scene
 from insonify.statistics.record_statistics import measure_statistics
+from insonify_viewer.record.comparison import recording as recording_module
 from insonify_viewer.record.comparison import recording_player
 from insonify_viewer.record.comparison.arrangement import Arrangement
-from insonify_viewer.record.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.record.comparison.recording import (
+    MAX_PINGS,
+    Recording,
+    compass_heading,
+    describe_point,
+    explain_point,
+)
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.tow_clock import SPEEDS
 from insonify_viewer.window.uncaught_errors import reported_warnings
@@ -145,6 +153,59 @@ def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(v
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
+def test_a_click_into_a_recording_tells_of_its_pixel_and_explains_none_of_the_simulated_record(viewer, folder, qtbot):
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    pixel, view = viewer.panels["pixel"].view, viewer.window.record_a
+    viewer.inspection.pin(Mark(200, 0, 50))
+    mark = Mark(250, 1, 200)
+    QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.place_of(mark))
+    assert viewer.inspection.mark is None
+    assert pixel.isVisible()
+    said = pixel.summary.text()
+    found = view.mark_at(view.place_of(mark))
+    slant, altitude = recording.slant_range_of(found.bin), float(recording.altitude[found.ping])
+    assert said.startswith(f"recorded ping {found.ping}, {slant:.2f} m, starboard, altitude {altitude:.2f} m: flat bed")
+    ground = np.sqrt(slant**2 - altitude**2)
+    assert f"at {ground:.2f} m ground range, grazing angle {np.degrees(np.arcsin(altitude / slant)):.1f}°" in said
+    assert "dB re median at its range" in pixel.sentence.text()
+    assert "in the water column" in explain_point(recording, Mark(250, 0, 2))[1]
+    # Where it is wiped over the live record, too.
+    live, overlay = viewer.window.waterfall, viewer.window.overlay
+    narrow = live.width()
+    choose(viewer.panels["comparison"].view.arrangement, list(Arrangement).index(Arrangement.WIPED))
+    qtbot.waitUntil(lambda: live.width() > narrow)
+    pixel.show_nothing()
+    live.grab()
+    place = QPoint(overlay.split - 40, live.plot_area.center().y())
+    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=place)
+    assert viewer.inspection.mark is None
+    assert pixel.summary.text().startswith("recorded ping")
+    viewer.recordings.close()
+    assert not pixel.summary.isVisible()
+
+
+def test_closing_withdraws_a_file_that_is_being_read(viewer, folder, qtbot, monkeypatch):
+    load, go_on = recording_player.load_recording, threading.Event()
+
+    def load_late(path, frequency):
+        go_on.wait(120.0)
+        return load(path, frequency)
+
+    monkeypatch.setattr(recording_player, "load_recording", load_late)
+    opened = []
+    viewer.recordings.opened.connect(opened.append)
+    for leave in (viewer.recordings.close, viewer.comparison.leave, viewer.comparison.keep):
+        viewer.recordings.open(str(folder / "record.xtf"))
+        leave()
+        assert viewer.window.record_a.waiting is None or viewer.comparison.kept is not None
+    kept = viewer.comparison.kept
+    assert kept is not None
+    finish(viewer, qtbot, go_on.set)
+    assert viewer.comparison.a is kept
+    assert viewer.recordings.recording is None
+    assert not any(opened)
+
+
 def test_it_plays_and_pauses_with_the_tow_whatever_targets_leave_and_begins_anew_at_its_end(viewer, folder, qtbot):
     viewer.tow.speed = 16.0
     viewer.run(True)
@@ -257,6 +318,24 @@ def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_th
     assert viewer.comparison.a is recording
     viewer.comparison.leave()
     assert viewer.comparison.a is None
+
+
+def test_a_long_recording_is_played_from_its_file_until_that_is_gone(viewer, folder, tmp_path, qtbot, monkeypatch):
+    whole = recording_module.load_recording(str(folder / "record.xtf"))
+    monkeypatch.setattr(recording_module, "MOST_IN_MEMORY", 0)
+    monkeypatch.setattr(io_recording, "FEW", 0)
+    path = tmp_path / "record.xtf"
+    path.write_bytes((folder / "record.xtf").read_bytes())
+    recording = open_recording(viewer, path, qtbot)
+    np.testing.assert_array_equal(recording.overview, whole.overview)
+    for ping in (PINGS - 1, 31):
+        viewer.window.record_a.scrubbed.emit(ping)
+        row = viewer.window.record_a.record.rows(np.array([ping]))[0]
+        expected = np.concatenate([whole.amplitude[ping, 0, ::-1], whole.amplitude[ping, 1]])
+        np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
+    assert describe_point(recording, Mark(20, 1, 200)) == describe_point(whole, Mark(20, 1, 200))
+    path.unlink()
+    assert describe_point(recording, Mark(20, 1, 200))["level"] == "its file is gone"
 
 
 def test_a_long_recording_is_held_in_part_and_headings_are_those_of_the_compass(folder):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.io.contacts import Contact, read_contacts, write_contacts
+from insonify.io import contacts as contact_files
+from insonify.io.contacts import Contact, is_contacts, read_contacts, write_contacts
 from insonify.scene import SceneError, bundled_scenes, edit, load_scene
 from insonify_viewer.record.record import Record
 from insonify_viewer.state.fields import ChoiceField, NumberField
@@ -342,8 +344,34 @@ def test_what_is_no_file_of_contacts_or_holds_an_endless_number_is_refused(tmp_p
         path.write_text(text, encoding="utf-8")
         with pytest.raises(SceneError, match="no valid ping" if text == endless else "is not a file of contacts"):
             read_contacts(path)
-    with pytest.raises(SceneError, match="cannot be read"):
+    with pytest.raises(SceneError, match="does not exist"):
         read_contacts(tmp_path / "missing.csv")
+
+
+def test_half_a_character_in_a_contact_is_replaced_and_hinders_no_saving(tmp_path):
+    halved = replace(PLAIN, name="a\ud83d", note="\udfffb", source="caf\udce9.xtf", classification="\ud800")
+    assert (halved.name, halved.note, halved.source, halved.classification) == ("a?", "?b", "caf?.xtf", "?")
+    for name in ("found.geojson", "found.csv"):
+        write_contacts(tmp_path / name, [halved, IN_WATER])
+        assert read_contacts(tmp_path / name) == (halved, IN_WATER)
+    text = (tmp_path / "found.geojson").read_text(encoding="utf-8").replace("wreck", "x").replace("a?", r"a\ud83d")
+    (tmp_path / "found.geojson").write_text(text, encoding="utf-8")
+    assert read_contacts(tmp_path / "found.geojson")[0].name == "a?"
+
+
+@pytest.mark.parametrize("name", ["found.geojson", "found.csv"])
+def test_contacts_are_read_from_regular_files_of_limited_size(tmp_path, name, monkeypatch):
+    path = tmp_path / name
+    os.mkfifo(path)
+    assert is_contacts(str(path)) == (path.suffix == ".geojson")
+    with pytest.raises(SceneError, match=f"{name}: is a device or a pipe, not a file; "):
+        read_contacts(path)
+    path.unlink()
+    write_contacts(path, [PLAIN])
+    assert is_contacts(str(path))
+    monkeypatch.setattr(contact_files, "LARGEST", 20)
+    with pytest.raises(SceneError, match=f"{name}: is a text of more than 0 MB; thin it"):
+        read_contacts(path)
 
 
 def test_a_list_numbers_names_and_knows_what_is_saved():

@@ -1,17 +1,20 @@
 """Targets are picked, dragged, turned and resized in the record and in three dimensions."""
 
 import math
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from controls import drag, finish
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QObject, QPoint, QPointF, Qt
+from PySide6.QtGui import QPainter, QPixmap
 from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.record.marked_point import locate_mark
-from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, handles_of, target_at
+from insonify_viewer.record.record_handles import TIPS, RecordHandles
+from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, echo_marks, handles_of, target_at
 
 BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "heading": 30.0}
 
@@ -40,6 +43,35 @@ def test_a_handle_stands_where_the_echo_is(motion):
     # The sphere is 0.6 m long, three pings; its near face echoes up to a radius before its middle, and bins are 5 cm.
     assert abs(mark.ping - ping) <= 2
     assert 0 <= mark.bin - strongest <= 8
+
+
+def test_handles_of_many_targets_are_found_as_those_of_each_and_placed_once_a_paint(qtbot):
+    places = [(3.0 * k, 18.0 * (-1) ** k, 0.0) for k in range(-20, 90)] + [(30.0, 400.0, 0.0), (-500.0, 10.0, 0.0)]
+    motion = {"kind": "yaw", "amplitude": 3.0, "period": 9.0}
+    spheres = [{"kind": "sphere", "position": [*place[:2]], "radius": 0.3} for place in places]
+    simulation = prepare(edit(load_scene("default"), {"targets": spheres, "track.motion": motion}))
+    found = handles_of(simulation, 7)
+    assert [handle.target for handle in found if handle.action == "move"] == list(range(len(places)))
+    marks = echo_marks(simulation, [handle.place for handle in found])
+    assert marks == [echo_mark(simulation, handle.place) for handle in found]
+    assert marks[-2:] == [None, None]
+    shown = [(k, mark, handle.action, handle.target == 7) for k, (handle, mark) in enumerate(zip(found, marks)) if mark]
+    calls = []
+
+    def places_of(bins):
+        calls.append(len(bins))
+        return bins[:, [2, 0]]
+
+    parent = QObject()
+    handles = RecordHandles(places_of, Mock(), parent)
+    handles.show(shown)
+    picture = QPixmap(200, 200)
+    with QPainter(picture) as painter:
+        handles.draw(painter)
+    assert calls == [len(shown)]
+    _, mark, action, _ = shown[0]
+    assert handles.hover(QPoint(mark.bin, mark.ping)) == TIPS[action]
+    assert calls == [len(shown)] * 2
 
 
 EAST, NORTH = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)

@@ -39,7 +39,7 @@ def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, sma
     # A cast is asked for.
     finish(viewer, qtbot, viewer.open, small)
     path = tmp_path / "cast.csv"
-    path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
+    path.write_text("depth,speed\n0,1520\n12,1515\n13,0\n30,1500\n")
     settled = viewer.panels["parameters"].view.settled
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
     settled.emit("water.kind", "cast")
@@ -48,6 +48,7 @@ def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, sma
     finish(viewer, qtbot, settled.emit, "water.kind", "cast")
     assert viewer.session.scene.water.path == str(path)
     assert viewer.panels["water"].view.isVisible()
+    assert "1 of 4 rows are left out: 1 with an impossible sound" in viewer.panels["water"].view._diagram.limits[0]
     # Columns of water have no sliders.
     viewer.open(layered)
     for kind in ("profile", "hydrography", "section", "uniform"):

@@ -2,7 +2,10 @@
 
 import os
 import re
+import subprocess
+import sys
 
+import netCDF4
 import numpy as np
 import pyproj
 import pytest
@@ -11,6 +14,7 @@ from scipy.ndimage import binary_erosion
 
 from bathymetry_files import EAST, NORTH, UTM, scene, sloped, write_tiff
 from insonify.cli import main
+from insonify.errors import FileWarning
 from insonify.io.bathymetry import read_grid
 from insonify.io.georeference import DEGREES, project
 from insonify.scene import SceneError, build, edit, scene_to_toml
@@ -120,10 +124,14 @@ def test_samples_have_north_at_the_end(name, shape):
 
 
 def test_every_bad_file_is_told_in_one_sentence(tmp_path):
-    for name in ("text.tif", "text.asc", "text.bag", "text.npy", "text.npz"):
+    for name in ("text.tif", "text.asc", "text.bag", "text.h5", "text.npy", "text.npz"):
         (tmp_path / name).write_text("not a grid")
     (tmp_path / "empty.npy").write_bytes(b"")
-    (tmp_path / "bed.xyz").write_text("1 2 3")
+    for name in ("bed.xyz", "bed.nc", "bed.grd"):
+        (tmp_path / name).write_text("1 2 3")
+    write_tiff(tmp_path / "nought.tif", sloped(3, 3), band={"scales": (0.0,)}, **UTM)
+    packed = [[-3000, -3100], [-32768, -3050]]
+    write_tiff(tmp_path / "packed.tif", packed, dtype="int16", crs="EPSG:32633", band={"scales": (0.01,)})
     (tmp_path / "nan.asc").write_text(ASCII_HEADS["corner"] + "nan nan nan\n" * 2)
     (tmp_path / "undeclared.asc").write_text(ASCII_HEADS["corner"].replace("NODATA_value -9999\n", "") + "-9999 " * 6)
     np.save(tmp_path / "line.npy", np.zeros(5))
@@ -142,7 +150,7 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
     np.save(tmp_path / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
     for expected, names in {
         "does not exist; give": "absent.tif",
-        "cannot be read .*; give a valid": "text.tif text.asc text.bag",
+        "cannot be read .*; give a valid": "text.tif text.asc text.bag text.h5",
         "cannot be read .*; save it": "text.npy text.npz empty.npy object.npy",
         "is not a format known here; give a file that ends in one of": "bed.xyz",
         "holds no valid height; check": "nan.asc nothing.npy nodata.tif",
@@ -153,7 +161,10 @@ def test_every_bad_file_is_told_in_one_sentence(tmp_path):
         "holds no 2-D array; save": "lines.npz",
         r".*only single heights between gaps, in cells of 1\.5 by 1 m; fill its gaps": "lone.tif",
         "is in degrees beyond the poles; georeference it again": "degrees.tif",
-        "is in .*foot; project it": "feet.tif",
+        r"names no unit of its heights, on a map in US survey foot; name it, for example with rio": "feet.tif",
+        "is in the format netCDF grid, which is not read here; convert it to GeoTIFF": "bed.nc bed.grd",
+        "has 1 cells of -32768, which it does not declare as nodata": "packed.tif",
+        "declares a scale of 0 and an offset of 0; correct them, for example with gdal_edit.py": "nought.tif",
         "holds complex64 values; save": "waves.tif",
         "has heights from -1e.07 to -30 m; declare its nodata value": "gaps.npy",
     }.items():
@@ -229,13 +240,161 @@ def test_depths_are_recognised_or_asked_about(tmp_path):
     np.testing.assert_array_equal(build_ground(scene(path)).heights, asked.heights)
 
 
+def tag(path, **tags):
+    """Set tags of a raster's band."""
+    with rasterio.open(path, "r+") as raster:
+        raster.update_tags(1, **tags)
+    return path
+
+
+FOOT, SURVEY_FOOT = 0.3048, 1200.0 / 3937.0
+STORED = {  # factor and offset from stored numbers to metres, type, reference system, attributes and tags of the band
+    "a scale": (0.02, 0.0, "int16", "EPSG:32633", {"scales": (0.02,)}, {}),
+    "a scale and an offset": (0.25, -90.0, "uint16", "EPSG:32633", {"scales": (0.25,), "offsets": (-90.0,)}, {}),
+    "a scale of feet": (0.1 * FOOT, 0.0, "int16", "EPSG:32633", {"scales": (0.1,), "units": ("ft",)}, {}),
+    "centimetres": (0.01, 0.0, "int32", "EPSG:32633", {"units": ("Centimeters",)}, {}),
+    "decimetres": (0.1, 0.0, "int32", "EPSG:32633", {"units": ("dm",)}, {}),
+    "metres": (1.0, 0.0, "float32", "EPSG:32633", {"units": ("Meters",)}, {}),
+    "feet": (FOOT, 0.0, "float32", "EPSG:32633", {"units": ("feet",)}, {}),
+    "feet by a tag": (FOOT, 0.0, "float32", "EPSG:32633", {}, {"units": "ft"}),
+    "survey feet": (SURVEY_FOOT, 0.0, "float32", "EPSG:32633", {"units": ("US survey feet",)}, {}),
+    "fathoms": (1.8288, 0.0, "float32", "EPSG:32633", {"units": ("fathoms",)}, {}),
+    "heights of survey feet": (SURVEY_FOOT, 0.0, "float32", "EPSG:32633+6360", {}, {}),
+    "heights of feet": (FOOT, 0.0, "float32", "EPSG:32633+8228", {}, {}),
+    "depths of a reference system": (-1.0, 0.0, "float32", "EPSG:32633+5866", {}, {}),
+    "depths of feet": (-SURVEY_FOOT, 0.0, "float32", "EPSG:32633+6358", {}, {}),
+    "depths by a tag": (-1.0, 0.0, "float32", "EPSG:32633", {}, {"positive": "down"}),
+    "depths by a name": (-0.01, 0.0, "uint16", "EPSG:32633", {"units": ("cm",)}, {"standard_name": "depth"}),
+}
+
+
+@pytest.mark.parametrize("name", STORED)
+def test_stored_numbers_become_metres_by_scale_offset_unit_and_sign_and_nodata_comes_first(tmp_path, name):
+    factor, offset, dtype, crs, attributes, tags = STORED[name]
+    rows = sloped(5, 7)
+    stored = (rows - offset) / factor
+    stored = np.round(stored) if "int" in dtype else stored
+    nodata = 32767 if "int" in dtype else -9999.0
+    stored[1, 2] = nodata
+    path = tag(write_tiff(tmp_path / "a.tif", stored, dtype=dtype, crs=crs, nodata=nodata, band=attributes), **tags)
+    ground = build_ground(scene(path))
+    expected = np.where(stored == nodata, np.nan, stored * factor + offset)[::-1]
+    np.testing.assert_allclose(ground.heights + ground.datum, expected, atol=2e-5)
+    assert read_grid(str(path)).crs == "EPSG:32633"
+
+
+def test_depths_that_a_tag_declares_may_dry_and_numbers_in_degrees_are_scaled_too(tmp_path):
+    rows = np.array([[-1.5, 2.0, 7.0], [3.0, 8.0, 9.0]])
+    path = tag(write_tiff(tmp_path / "drying.tif", rows, **UTM), positive="down")
+    ground = build_ground(scene(path))
+    np.testing.assert_allclose(ground.heights + ground.datum, -rows[::-1], atol=1e-6)
+    path = tag(write_tiff(tmp_path / "inverted.tif", -rows - 5.0, **UTM), positive="down")
+    with pytest.raises(SceneError, match="above the sea surface; write positive = 'up' if its numbers are heights, or"):
+        build_ground(scene(path))
+    build_ground(scene(path, positive="up"))
+    packed = np.full((20, 20), -2500, np.int16)
+    packed[5:7, 5:7] = -32768
+    path = write_tiff(
+        tmp_path / "degrees.tif", packed, pixel=(2e-5, 2e-5), corner=(10.0, 55.0), crs="EPSG:4326",
+        dtype="int16", nodata=-32768, band={"scales": (0.01,), "units": ("ft",)},
+    )  # fmt: skip
+    heights = read_grid(str(path)).heights
+    assert heights[np.isfinite(heights)] == pytest.approx(-25.0 * FOOT)
+    assert 0.005 < np.isnan(heights).mean() < 0.6
+
+
+def test_s102_holds_depths_from_the_south(tmp_path):
+    """Written as S-100 lays out its HDF5."""
+    with netCDF4.Dataset(tmp_path / "bed.h5", "w") as file:
+        file.setncatts({"productSpecification": "INT.IHO.S-102.2.2", "horizontalCRS": np.int32(32633)})
+        file.createGroup("Group_F")
+        coverage = file.createGroup("BathymetryCoverage").createGroup("BathymetryCoverage.01")
+        sides = {"gridSpacingLongitudinal": 2.0, "gridSpacingLatitudinal": 2.0}
+        counts = {"numPointsLongitudinal": np.int32(7), "numPointsLatitudinal": np.int32(5)}
+        coverage.setncatts({"gridOriginLongitude": EAST, "gridOriginLatitude": NORTH, "startSequence": "0,0"})
+        coverage.setncatts(sides | counts)
+        values = coverage.createGroup("Group_001")
+        values.createDimension("y", 5)
+        values.createDimension("x", 7)
+        node = np.dtype([("depth", "f4"), ("uncertainty", "f4")])
+        nodes = np.zeros((5, 7), node)
+        nodes["depth"] = -sloped(5, 7)
+        nodes["depth"][1, 2] = 1e6
+        values.createVariable("values", values.createCompoundType(node, "node"), ("y", "x"))[:] = nodes
+    grid = read_grid(str(tmp_path / "bed.h5"))
+    assert (grid.spacing, grid.corner, grid.crs) == ((2.0, 2.0), (EAST, NORTH), "EPSG:32633")
+    ground = build_ground(scene(tmp_path / "bed.h5"))
+    expected = sloped(5, 7)
+    expected[1, 2] = np.nan
+    np.testing.assert_allclose(ground.heights + ground.datum, expected, atol=1e-5)
+
+
+def test_a_map_in_feet_is_projected_and_a_local_one_scaled(tmp_path):
+    rows = sloped(40, 40) / SURVEY_FOOT
+    path = write_tiff(tmp_path / "a.tif", rows, pixel=(10.0, 10.0), corner=(6e6, 2.1e6), crs="EPSG:2227+6360")
+    grid = read_grid(str(path))
+    assert grid.crs == "EPSG:32610"
+    assert grid.spacing == pytest.approx((10.0 * FOOT, 10.0 * FOOT), rel=0.02)
+    assert (np.nanmin(grid.heights), np.nanmax(grid.heights)) == pytest.approx((-39.5, -19.61), abs=0.1)
+    local = 'LOCAL_CS["harbour",UNIT["foot",0.3048],AXIS["Easting",EAST],AXIS["Northing",NORTH]]'
+    band = {"units": ("m",)}
+    path = write_tiff(tmp_path / "b.tif", rows, pixel=(10.0, 10.0), corner=(0.0, 0.0), crs=local, band=band)
+    assert read_grid(str(path)).spacing == pytest.approx((3.048, 3.048))
+
+
+def test_a_map_that_stretches_lengths_is_projected_and_a_place_has_no_vertical_system(tmp_path):
+    """Web Mercator makes lengths at 60° twice as long as they are."""
+    x, y = project(DEGREES, "EPSG:3857", np.array(15.0), np.array(60.0))
+    path = write_tiff(tmp_path / "a.tif", sloped(20, 20), corner=(float(x), float(y)), crs="EPSG:3857")
+    assert read_grid(str(path)).crs == "EPSG:32633"
+    assert read_grid(str(path)).spacing == pytest.approx((1.0, 1.0), rel=0.01)
+    three = pyproj.CRS("EPSG:32633").to_3d().to_wkt()
+    for crs in ("EPSG:32633+5703", three):
+        grid = read_grid(str(write_tiff(tmp_path / "b.tif", sloped(20, 20), crs=crs)))
+        assert (grid.crs, grid.spacing) == ("EPSG:32633", (2.0, 2.0))
+
+
+def test_a_unit_that_is_not_known_or_contradicts_itself_is_named_and_the_remedy_works(tmp_path):
+    path = write_tiff(tmp_path / "a.tif", sloped(5, 7) / 20.0, band={"units": ("cubit rods",)}, **UTM)
+    with pytest.raises(
+        SceneError, match="heights in 'cubit rods', a unit that is not known here; name it m, for"
+    ) as caught:
+        build_ground(scene(path))
+    command = re.search(r"rio edit-info --bidx 1 --units m", str(caught.value))[0].split()
+    rio = "from rasterio.rio.main import main_group; main_group()"
+    subprocess.run([sys.executable, "-c", rio, *command[1:], str(path)], check=True)
+    ground = build_ground(scene(path, scale=20.0))
+    np.testing.assert_allclose(ground.heights + ground.datum, sloped(5, 7)[::-1], atol=1e-5)
+    path = write_tiff(tmp_path / "b.tif", sloped(5, 7), crs="EPSG:32633+6360", band={"units": ("m",)})
+    with pytest.raises(
+        SceneError, match="heights in 'm' and a reference system of heights in 'US survey foot'; correct"
+    ):
+        build_ground(scene(path))
+    (tmp_path / "c.asc").write_text(ASCII_HEADS["corner"] + "-10 -20 -30\n-10 -20 -30\n")
+    (tmp_path / "c.prj").write_text("Projection UTM\nZone 33\nDatum NAD83\nZunits FEET\nUnits METERS\nSpheroid GRS80\n")
+    np.testing.assert_allclose(read_grid(str(tmp_path / "c.asc")).heights[0], [-10 * FOOT, -20 * FOOT, -30 * FOOT])
+
+
+def test_degrees_without_a_reference_system_are_said(tmp_path):
+    path = tmp_path / "bed.asc"
+    head = "ncols 3\nnrows 2\nxllcorner {}\nyllcorner {}\ncellsize {}\n"
+    path.write_text(head.format(-5.25, 48.5, 0.0011) + "-10 -20 -30\n" * 2)
+    with pytest.warns(
+        FileWarning, match=r"its cells of 0.0011 count as metres; if they are degrees, name its reference"
+    ):
+        read_grid(str(path))
+    for other in ((0.0, 0.0, 0.0011), (500.0, 48.5, 0.01), (-5.25, 48.5, 0.5)):
+        path.write_text(head.format(*other) + "-10 -20 -30\n" * 2)
+        assert read_grid(str(path)).spacing == (other[2], other[2])
+
+
 @pytest.mark.parametrize("value", [-9999.0, 9999.0, 1e6, -32768.0, -99999.0])
 def test_an_undeclared_nodata_value_is_refused(tmp_path, value):
     rows = sloped(5, 7)
     rows[1, 2:4] = value
     np.save(tmp_path / "bed.npy", rows)
     for path in (tmp_path / "bed.npy", write_tiff(tmp_path / "bed.tif", rows, crs="EPSG:32633")):
-        with pytest.raises(SceneError, match=re.escape(f"has 2 cells of {value:g}, which it does not declare")):
+        with pytest.raises(SceneError, match=re.escape(f"has 2 cells of {value:.15g}, which it does not declare")):
             read_grid(str(path))
     np.save(tmp_path / "trench.npy", -9990.0 - np.arange(20.0).reshape(4, 5))  # a trench may be that deep
     assert np.isfinite(read_grid(str(tmp_path / "trench.npy")).heights).all()

@@ -1,12 +1,17 @@
 """Sound-speed casts in the layouts of instruments and programs: what is read, cleaned and refused."""
 
+import re
+
 import gsw
 import numpy as np
 import pytest
 
 from insonify.acoustics.water import make_sound_speed_field
+from insonify.cli import main
+from insonify.display.ray_diagram.tracing import trace_ray_diagram
+from insonify.errors import FileWarning
 from insonify.io.sound_speed_casts import read_cast
-from insonify.scene import SceneError, load_scene
+from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water.layered import CastWater
 from insonify.scene.water.sound_speed import EQUATIONS
 
@@ -153,6 +158,182 @@ def test_a_cast_is_read_anew_beside_its_scene_and_an_equation_takes_precedence_a
         make_sound_speed_field(CastWater(path=path, equation="paper"))
 
 
+def logged(path, depth, speed=None, time=None):
+    """Write a table of depths, speeds (1500 m/s if left out) and times (1 m/s of descent if left out)."""
+    speed = np.full(len(depth), 1500.0) if speed is None else speed
+    rows = zip(depth if time is None else time, depth, speed)
+    return text(path, "time,depth,sound_speed\n" + "".join(f"{t:.3f},{d:.4f},{c:.3f}\n" for t, d, c in rows))
+
+
+@pytest.mark.parametrize("step", [0.2, 0.6, 1.1, 1.7, 2.5, 4.0, 7.0])
+def test_a_steady_descent_keeps_its_top_and_a_wait_is_cut_whatever_the_distance_of_rows(tmp_path, step):
+    depth = np.arange(0.8, 75.0, step)
+    cast = read_cast(logged(tmp_path / "steady.csv", depth, 1540.0 - 0.5 * depth))
+    assert cast.depth[0] < 0.8 + 0.5
+    assert cast.remarks == ()
+    np.testing.assert_allclose(cast.sound_speed, 1540.0 - 0.5 * cast.depth, atol=1e-3)
+    waited = depth + 90.0 * (depth > 9.1)
+    cast = read_cast(logged(tmp_path / "soak.csv", depth, time=waited))
+    assert 8.8 < cast.depth[0] < 9.1 + step + 0.5
+    (remark,) = cast.remarks
+    assert re.search(r"\d before the descent and up to the end of a wait of 9\d(\.\d)? s at [6-9](\.\d+)? m", remark)
+    # Half as fast near the surface, where the rope is let out by hand, and the clock in whole seconds.
+    slow = np.floor(np.where(depth < 10.0, 2.0 * depth, depth + 10.0))
+    assert read_cast(logged(tmp_path / "slow.csv", depth, time=slow)).remarks == ()
+
+
+FINE = np.arange(0.0, 40.0, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("rows", "values", "words"),
+    [
+        ([60], [0.0], "1 with an impossible sound speed (0 m/s at 15 m)"),
+        ([60, 61, 62, 90], [2800.0] * 4, "4 with an impossible sound speed (2800 m/s at 15 m)"),
+        ([81], [1621.0], "1 with a spike of sound speed (1621 m/s at 20.25 m)"),
+        ([81, 82], [1475.0, 1470.0], "2 with a spike of sound speed (1475 m/s at 20.25 m)"),
+        ([0], [1580.0], "1 with a spike of sound speed (1580 m/s at 0 m)"),
+        ([33], [np.nan], "1 without a number or flagged as bad"),
+    ],
+)
+def test_values_that_water_cannot_have_take_no_part(tmp_path, rows, values, words):
+    speed = 1510.0 - 0.3 * FINE + 0.02 * np.cos(9.0 * FINE)
+    dirty = speed.copy()
+    dirty[rows] = values
+    cast = read_cast(logged(tmp_path / "a.csv", FINE, dirty))
+    np.testing.assert_allclose(cast.sound_speed, 1510.0 - 0.3 * cast.depth, atol=0.03)
+    assert f"{len(rows)} of {FINE.size} rows are left out: {words}; the cast begins at" in cast.remarks[0]
+    depth = FINE.copy()
+    depth[50] = 900.0
+    cast = read_cast(logged(tmp_path / "b.csv", depth, speed, time=FINE))
+    assert cast.depth[-1] < 40.0
+    assert "1 with a spike of depth (900 m)" in cast.remarks[0]
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [(0, 1521), (7, 1520), (15, 1503), (70, 1501)],
+        [(0, 1476), (10, 1476), (14, 1441), (26, 1421), (38, 1440), (60, 1447), (80, 1451)],  # cold intermediate water
+        [(0, 1532), (150, 1511), (900, 1483), (2100, 1493), (3200, 1510), (5100, 1549)],  # a deep channel
+        [(0, 1442), (2, 1442), (2.6, 1481), (12, 1482)],  # fresh above salt water
+    ],
+)
+def test_layers_are_no_spikes(tmp_path, points):
+    places, speeds = np.array(points, dtype=float).T
+    for step in (None, 0.3):
+        depth = places if step is None else np.arange(0.0, places[-1], step)
+        cast = read_cast(logged(tmp_path / "a.csv", depth, np.interp(depth, places, speeds)))
+        assert cast.remarks == ()
+
+
+def test_a_dead_sensor_takes_no_part_and_depths_may_count_upwards(tmp_path):
+    rows = [f"{-z},0.0,{9 + 0.1 * z},34.5" for z in range(25)]
+    cast = read_cast(text(tmp_path / "a.csv", "\n".join(["depth,sound_speed,temperature,salinity", *rows])))
+    assert cast.sound_speed is None
+    np.testing.assert_allclose(cast.temperature, 9.0 + 0.1 * cast.depth)
+    assert cast.remarks == (
+        "its depths are negative and count downwards",
+        "sound speed is left out: 0 of 25 rows have possible values",
+    )
+
+
+def comma(value):
+    return f"{value:.3f}".replace(".", ",")
+
+
+# The lines before the rows, and a row of depth and sound speed. Real depths are 2, 3 … 13 m, speeds 1490 m/s + depth.
+DIALECTS = {
+    "semicolons and decimal commas": ("Depth (m);Sound Speed (m/s)", lambda d, c: f"{comma(d)};{comma(c)}"),
+    "tabs and decimal commas": ("Sound Velocity [m/s]\tDEPTH [M]", lambda d, c: f"{comma(c)}\t{comma(d)}"),
+    "decimal commas in quotes": ("Depth,SV", lambda d, c: f'"{comma(d)}","{comma(c)}"'),
+    "decimal commas alone": ("", lambda d, c: f"{comma(d)} {comma(c)}"),
+    "feet": ("Depth (ft),Sound Speed (ft/s)", lambda d, c: f"{d / 0.3048},{c / 0.3048}"),
+    "fathoms": ("depth_fathoms;sound_speed_m_s", lambda d, c: f"{d / 1.8288};{c}"),
+    "centimetres": ("Depth in cm,Speed", lambda d, c: f"{100 * d},{c}"),
+    "a line of units": ("Depth,Sound speed\nfeet,m/s", lambda d, c: f"{d / 0.3048},{c}"),
+    "pressure": ("Pressure (dbar),SV (m/s)", lambda d, c: f"{gsw.p_from_z(-d, 45.0)},{c}"),
+    "pressure in psi": ("Press [psi],SV (m/s)", lambda d, c: f"{gsw.p_from_z(-d, 45.0) / 0.6894757},{c}"),
+    "pressure named depth": ("Depth (dBar),SV (m/s)", lambda d, c: f"{gsw.p_from_z(-d, 45.0)},{c}"),
+    "pressure in metres": ("SV\tPRESSURE;M", lambda d, c: f"{c}\t{d}"),
+    "a preamble": (
+        "[cast header]\ndepthinmeters=no\ndate=08/16/17\ntime=17:47:28\nslot=p-t.x p.x sn 3, t.x sn 4\n\n[data]\n"
+        "Date (mm/dd/yy),Time,SV (m/s),Depth (m),SV-C.Xchange (No Sensor),Battery (V),",
+        lambda d, c: f"08/16/17,17:48:{d:05.2f},{c},{d},0.000,007.30,",
+    ),
+    "prose before names": ("# Sound speed by depth in the bay\n#depth sound speed", lambda d, c: f"{d} {c}"),
+    "spaces in names": ("Depth (m)  Sound Velocity (m/s)", lambda d, c: f"  {d:.2f}   {c:.2f}"),
+    "a date with points": ("DateTime;Depth;SV", lambda d, c: f"03.04.2021 10:00:{int(d):02d};{comma(d)};{comma(c)}"),
+    "grouped digits": ("Depth;Speed", lambda d, c: f"{comma(d)};1.{comma(c)[1:]}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_a_table_is_read_in_any_dialect(tmp_path, dialect, encoding):
+    head, row = DIALECTS[dialect]
+    lines = [*head.splitlines(), *(row(d, 1490.0 + d) for d in np.arange(2.0, 14.0))]
+    (tmp_path / "a.csv").write_bytes("\r\n".join(lines).encode(encoding))
+    cast = read_cast(str(tmp_path / "a.csv"))
+    np.testing.assert_allclose(cast.depth, np.arange(2.0, 14.0), atol=1e-3)
+    np.testing.assert_allclose(cast.sound_speed, 1490.0 + cast.depth, atol=1e-2)
+
+
+def test_temperature_may_be_in_other_units(tmp_path):
+    for unit, of in (("°C", lambda t: t), ("deg F", lambda t: 32.0 + 1.8 * t), ("K", lambda t: t + 273.15)):
+        rows = [f"{z};{comma(of(8.0 + z))};35" for z in range(9)]
+        content = "\n".join([f"Depth (m);Temp [{unit}];Salinity [PSU]", *rows])
+        for encoding in ("utf-8", "latin-1"):
+            (tmp_path / "a.csv").write_bytes(content.encode(encoding))
+            np.testing.assert_allclose(read_cast(str(tmp_path / "a.csv")).temperature, 8.0 + np.arange(9), atol=1e-3)
+    names = [
+        "timeS: Time",
+        "prDE: Pressure [psi]",
+        "t090F: Temperature [deg F]",
+        "sal00: Salinity",
+        "svCF: Speed [ft/s]",
+    ]
+    rows = [(d, gsw.p_from_z(-d, 45.0) / 0.6894757, 50.0, 35.0, 1500.0 / 0.3048) for d in range(1, 12)]
+    cast = read_cast(seabird(tmp_path / "a.cnv", names, rows))
+    np.testing.assert_allclose(cast.depth, np.arange(1, 12), atol=1e-3)
+    np.testing.assert_allclose(cast.temperature, 10.0, atol=1e-5)
+    np.testing.assert_allclose(cast.sound_speed, 1500.0, atol=1e-2)
+
+
+def test_what_is_left_out_is_reported_once_where_a_cast_is_used_and_by_info(tmp_path, capsys):
+    depth = np.concatenate([FINE, FINE[::-1]])
+    path = logged(
+        tmp_path / "cast.csv", depth, np.where(depth == 30.0, 0.0, 1500.0 - 0.2 * depth), np.arange(depth.size)
+    )
+    sentence = "161 of 320 rows are left out: 2 with an impossible sound speed (0 m/s at 30 m); 159 of the way up"
+    with pytest.warns(FileWarning, match=re.escape(f"{path}: {sentence}")) as warned:
+        diagrams = [trace_ray_diagram(edit(load_scene("default"), {"water": {"kind": "cast", "path": path}}))]
+    assert len(warned) == 1
+    assert sentence in diagrams[0].limits[0]
+    assert main(["info", path]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.startswith(f"{path}: measured cast, 80 depths from 0.125 to 39.625 m, sound speed 149")
+    assert sentence in shown.out
+    assert shown.err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "top", "bottom", "speeds", "words"),
+    [
+        ("midas-svx2-file1.000", 1.992, 2058.506, (1492.0, 1541.5), "9 with an impossible sound speed (0 m/s"),
+        ("midas-svx2-file8-6000.000", 1.98, 3656.433, (1483.3, 1543.9), "a wait of"),
+        ("midas-svx2-file8.000", 0.86, 43.26, (1414.5, 1420.4), "90 with an impossible sound speed (0 m/s"),
+        ("aml-down-cast.csv", 0.24, 8.21, (1539.9, 1545.5), "9 before the descent"),
+        ("aml-seacast-440.csv", 1.7, 1152.42, (1486.6, 1537.0), "1998 of the way up"),
+    ],
+)
+def test_a_real_log_keeps_its_top_and_its_values(casts, name, top, bottom, speeds, words):
+    cast = read_cast(str(casts / name))
+    np.testing.assert_allclose(cast.depth[[0, -1]], [top, bottom], atol=0.01)
+    assert speeds[0] < cast.sound_speed.min() < cast.sound_speed.max() < speeds[1]
+    assert words in cast.remarks[0]
+
+
 WRONG = [
     ("nowhere.cnv", None, ["does not exist"]),
     ("cast.xls", "", ["not a format known here", ".cnv"]),
@@ -176,6 +357,18 @@ WRONG = [
     ("a.m1", "MVP", ["is in the format Moving Vessel Profiler, which is not read here; convert it to .asvp or .csv"]),
     ("a.vpd", "", ["is in the format Valeport DataLog"]),
     ("a.vel", "FTP NEW 3\n", ["holds no rows of depth and sound speed"]),
+    (
+        "a.vel",
+        "FTP NEW 3\n3 4921\n9 4920\n",
+        ["has sound speeds about 4920, which are in ft/s, beside depths of an unkno"],
+    ),
+    (
+        "a.csv",
+        "depth,speed\n3,4921\n9,4920\n",
+        ["2 with an impossible sound speed (4921 m/s at 3 m)", "name the units"],
+    ),
+    ("a.csv", "Depth (m),Speed (kn)\n3,1500\n9,1500\n", ["has sound_speed in kn; give it in m/s"]),
+    ("a.csv", "Depth (m),SV (m/s)\n1,5,1500,2\n2,5,1500,1\n", ["has 4 numbers a row below 2 names", "semicolons"]),
 ]
 
 

@@ -51,8 +51,13 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         ("render default -o x.xtf --truth", "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
         ("render default -o x.png --truth", "leave it out or end the name in one of them"),
         ("rendre default", "did you mean 'insonify render'?"),
-        ("info a.png", "'info' is neither a command nor a scene; 'insonify --help' lists the commands"),
+        ("describe a.png", "'describe' is neither a command nor a scene; 'insonify --help' lists the commands"),
+        ("info a.png", "a.png: is no cast or navigation by its suffix; give a file that ends in one of"),
+        ("info nowhere.cnv", "'nowhere.cnv' does not exist"),
+        ("info nowhere.csv", "'nowhere.csv' does not exist, and track.motion.path: 'nowhere.csv' does not exist; give"),
         ("plan defualt", "scene 'defualt': no such file; did you mean 'default'? Otherwise give a TOML file"),
+        (f"plan default --set seed={'9' * 5000}", "seed: '999"),
+        (f"plan default --set targets.{'9' * 5000}.radius=1", "the list has 3, numbered from 0"),
         ("plan default --set track.speed=3furlongs", "track.speed: '3furlongs' is not a number"),
         ("plan default --set sonar.beam.taper=cosine", "it belongs to kind 'array', not to 'fan'"),
         *((f"{words}atlantis", "no such file") for words in ("view ", "scenes ", "")),
@@ -99,6 +104,12 @@ def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys, t
     path.write_text('title = "a\\u001b]0;owned\\u0007\\u202eb"\n[track]\npings = 1\n', encoding="utf-8")
     assert main(["scenes", str(path)]) == 0
     assert capsys.readouterr().out == "a]0;ownedb\n"
+    record = tmp_path / "a\x1b]0;owned\x07.npz"
+    assert main(["render", *SMALL, "-o", str(record)]) == 0
+    assert main(["render", *SMALL, "-o", str(record / "b.npz")]) == 2
+    said = "".join(capsys.readouterr())
+    assert said.count("/a]0;owned.npz") == 2
+    assert {"\x1b", "\x07"}.isdisjoint(said)
 
 
 def test_plan_names_the_method(capsys):

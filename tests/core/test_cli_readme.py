@@ -5,9 +5,12 @@ import re
 import shlex
 import subprocess
 import tomllib
+from importlib.metadata import distributions, metadata, requires
+from itertools import chain
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from commands import PATIENCE, run_python
 from insonify.cli import build_parser
@@ -79,6 +82,50 @@ def test_there_are_commands_to_try_in_the_environment_that_the_first_of_the_read
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]
     assert "insonify[learning,movies,surveys,viewer]" in needed
+
+
+def test_clones_get_a_version_of_every_package_and_all_have_a_bound_above():
+    """No host is named; xarray and distributed count by years."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    pinned = {Requirement(line).name for line in project["tool"]["uv"]["constraint-dependencies"]}
+    extras = project["project"]["optional-dependencies"]
+    declared = [*project["project"]["dependencies"], *chain(*extras.values())]
+    bounded = {each.name for each in map(Requirement, declared) if "<" in str(each.specifier)}
+    assert {Requirement(line).name for line in declared} - bounded == {"xarray", "distributed"}
+    used = dependencies("insonify", {"", *extras})
+    assert {canonical(name) for name in used} <= {canonical(name) for name in pinned}
+    # Of those with a condition for whoever passes them on, the page of licences says which.
+    strict = {canonical(name) for name in used if re.search("GPL|MPL|Mozilla", licence(name))}
+    assert {"pyside6-essentials", "shiboken6", "tqdm", "certifi"} <= strict
+    assert [name for name in strict if name not in PAGES["docs/licences.md"].lower()] == []
+    assert "docs/licences.md" in PAGES["README.md"]
+
+
+def dependencies(name, extras=frozenset([""])):
+    """Names of the packages that an installed one needs here, and of what they need."""
+    found, pending = set(), [(name, extras)]
+    while pending:
+        package, wanted = pending.pop()
+        for each in map(Requirement, requires(package) or ()):
+            needed = each.marker is None or any(each.marker.evaluate({"extra": extra}) for extra in wanted)
+            if needed and each.name not in found and installed(each.name):
+                found.add(each.name)
+                pending.append((each.name, {"", *each.extras}))
+    return found
+
+
+def installed(name):
+    return any(distributions(name=name))
+
+
+def canonical(name):
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def licence(name):
+    told = metadata(name)
+    named = [text for text in told.get_all("Classifier") or [] if text.startswith("License")]
+    return " ".join([told.get("License-Expression") or "", (told.get("License") or "").partition("\n")[0], *named])
 
 
 def test_the_gallery_is_whole_and_light():

@@ -170,8 +170,8 @@ def test_a_sparse_file_counts_by_what_is_stored_of_it_and_is_refused_before_it_i
 
 
 def test_a_text_of_more_than_its_limit_and_a_record_of_more_pings_than_are_stored_are_refused(tmp_path):
-    (tmp_path / "scene.toml").write_bytes(b"#" * (2**24 + 1))
-    with pytest.raises(SceneError, match="is a text of more than 16 MB; thin it"):
+    (tmp_path / "scene.toml").write_bytes(b"#" * (2**22 + 1))
+    with pytest.raises(SceneError, match="is a text of more than 4 MB; thin it"):
         load_scene(tmp_path / "scene.toml")
     import netCDF4
 

@@ -1,6 +1,7 @@
 """Kinds, commands and file formats are found by standing in a package, here or in an installed one."""
 
 import json
+import os
 from contextlib import contextmanager
 from functools import partial
 from importlib.metadata import EntryPoint
@@ -14,6 +15,7 @@ import xarray as xr
 
 import insonify.commands
 from bathymetry_files import scene
+from commands import run_python
 from insonify import cli, plugins
 from insonify.io.bathymetry import BATHYMETRY, Grid
 from insonify.io.formats import FileFormat, FormatRegistry
@@ -140,14 +142,51 @@ def test_one_new_file_or_an_installed_package_adds_a_sub_command(tmp_path, monke
     assert capsys.readouterr().out == "hello world\n"
 
 
-def test_a_package_that_cannot_be_loaded_stops_no_other_command(monkeypatch, capsys):
-    entries = [EntryPoint("greet", "no_such_package:register", cli.COMMANDS)]
-    monkeypatch.setattr(cli, "announced", lambda group: entries)
-    assert cli.main(["scenes"]) == 0
-    written = capsys.readouterr()
-    assert written.out.startswith("breaks-beats")
-    error = "No module named 'no_such_package'"
-    assert written.err == f"insonify: the command 'greet' of no_such_package cannot be loaded ({error})\n"
+# Entry points of an installed package, each of another group, and why they are left out.
+BROKEN = {
+    "commands": ("no_such_package:register", "ModuleNotFoundError: No module named 'no_such_package'"),
+    "tracers": ("broken_at_once", "ZeroDivisionError: division by zero"),
+    "receiver_stages": ("broken_to_end", "SystemExit: 3"),
+    "targets": ("broken_syntax", "SyntaxError: "),
+    "waters": ("broken_values:none", "AttributeError: module 'broken_values' has no attribute 'none'"),
+    "beams": ("not an entry", ""),
+    "materials": ("broken_values:folder", "stone.toml: is not valid TOML"),
+    "panels": ("broken_values:number", "AttributeError: 'int' object has no attribute 'rank'"),
+    "schedulers": ("broken_values:number", "AttributeError: 'int' object has no attribute 'prefix'"),
+}
+STRANGER = {
+    "broken_at_once": "1 / 0",
+    "broken_to_end": "raise SystemExit(3)",
+    "broken_syntax": "def",
+    "broken_values": "number = 3\nfolder = __file__.rpartition('/')[0]",
+}
+ALL_OF_THEM = """
+import warnings
+from insonify.cli import main
+assert main("render sediments --set track.pings=2 -o a.nc".split()) == 0
+warnings.showwarning = lambda message, *_: print("insonify:", message)
+from insonify.surveys.schedulers import find_schedulers
+from insonify_viewer.panels import find_panels
+assert find_schedulers() and find_panels()
+"""
+
+
+def test_an_entry_point_that_is_broken_is_named_and_left_out_and_all_else_works(tmp_path):
+    for module, text in STRANGER.items():
+        (tmp_path / f"{module}.py").write_text(text)
+    (tmp_path / "stone.toml").write_text("[stone")
+    (tmp_path / "broken-1.dist-info").mkdir()
+    (tmp_path / "broken-1.dist-info" / "METADATA").write_text("Name: broken\nVersion: 1\n")
+    lines = (f"[insonify.{group}]\nodd = {value}\n" for group, (value, _) in BROKEN.items())
+    (tmp_path / "broken-1.dist-info" / "entry_points.txt").write_text("".join(lines))
+    path = os.pathsep.join((str(tmp_path), str(Path(__file__).parents[1])))
+    code, *told = run_python("-c", ALL_OF_THEM, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path})
+    assert code == 0, told
+    named = [line for line in "".join(told).splitlines() if line.startswith("insonify: 'odd' of ")]
+    for value, cause in BROKEN.values():
+        assert sum(f"of {value} is left out (" in line and cause in line for line in named) == 1, (value, cause, told)
+    assert len(named) == len(BROKEN)
+    assert all(line.endswith("; update or remove the package that announces it") for line in named)
 
 
 def test_every_module_of_a_command_is_named_after_it():

@@ -1,6 +1,7 @@
 """Nothing of the current folder is run: neither by a command nor by a process that it starts."""
 
 import importlib.util
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -46,7 +47,9 @@ def folder(tmp_path_factory):
     (place / "set.toml").write_text(SET.replace("scenes = 8", "scenes = 1").replace("= 96", "= 64"))
     (place / "survey.toml").write_text(SURVEY.replace("24.0, 30.0", "24.0, 9.0").replace("0.0, 30.0", "0.0, 9.0"))
     write_modules(place)
-    (place / ".numba_config.yaml").write_text("cache_dir: stranger\n")
+    (place / ".numba_config.yaml").write_text("cache_dir: stranger\ndisable_jit: [\n")  # neither obeyed nor parsed
+    os.mkfifo(place / ".ncrc")
+    (place / "matplotlibrc").write_bytes(b"text.usetex: True\n\xff\n")
     return place
 
 
@@ -55,6 +58,11 @@ def test_commands_import_nothing_of_the_current_folder(folder):
     code, *told = run_python("-P", "-c", ONE_AFTER_THE_OTHER, cwd=folder, input=COMMANDS.lstrip())
     assert (code, traces(folder)) == (0, set()), told
     assert not (folder / "stranger").exists()
+
+
+def test_kernels_are_compiled_without_settings_of_the_current_folder(folder):
+    code, *told = run_python("-P", "-c", "import insonify; insonify.plan(insonify.load_scene('figure-3'))", cwd=folder)
+    assert (code, traces(folder)) == (0, set()), told
 
 
 # Both start workers in the same way.

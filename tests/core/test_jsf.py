@@ -6,6 +6,7 @@ import pytest
 from commands import refused
 from insonify.cli import main
 from insonify.errors import FileWarning
+from insonify.io.navigation.formats import read_recording
 from insonify.io.records import read_record, write_record
 from jsf_files import message, trace, write_jsf
 from xtf_files import amplitudes
@@ -137,3 +138,63 @@ def test_a_recording_becomes_xtf(tmp_path):
     np.testing.assert_array_equal(copy.intensity, record.intensity)
     np.testing.assert_allclose(copy.platform_x, record.platform_x, atol=1e-4)
     assert copy.attrs["time_coverage_start"] == record.attrs["time_coverage_start"]
+
+
+def course(pings: int, **fields) -> list[dict]:
+    """Pings at 5 Hz on a course to the east at 1.5 m/s, by a clock of whole seconds."""
+    east = np.arange(pings) * 0.3 / 73_200.0
+    return [
+        {**PING, "time": 1_700_000_000 + n // 5, "milliseconds": 0, "x": round((7.5 + each) * 60e4), "y": 29_280_000,
+         "altitude": 4000, **fields}
+        for n, each in enumerate(east)
+    ]  # fmt: skip
+
+
+def test_a_clock_of_whole_seconds_is_spread_over_its_pings_and_navigation_has_them_all(tmp_path):
+    path = write_jsf(tmp_path / "a.jsf", course(60))
+    record = read_record(path)
+    np.testing.assert_allclose(record.ping_time, 0.2 * np.arange(60), atol=1e-6)
+    np.testing.assert_allclose(record.platform_x, 0.3 * np.arange(60), atol=0.15)
+    assert read_recording(str(path))["time"].size == 60
+
+
+@pytest.mark.parametrize("number", [0, 77])
+def test_pings_without_numbers_of_their_own_stay_apart(tmp_path, number):
+    record = read_record(write_jsf(tmp_path / "a.jsf", course(20, ping=number)))
+    assert record.sizes["ping_time"] == 20
+    np.testing.assert_allclose(amplitudes(record)[:, 7], [[1, 2, 3, 4], [10, 20, 30, 40]])
+
+
+def test_a_lost_side_shifts_no_other(tmp_path):
+    content = message(182, bytes(24))
+    for number in range(8):
+        for channel, samples in enumerate(PING["samples"]):
+            if (number, channel) != (3, 1):
+                content += message(80, trace(samples, number), channel=channel)
+    path = tmp_path / "a.jsf"
+    path.write_bytes(content)
+    got = amplitudes(read_record(path))
+    assert got.shape[1] == 8
+    assert (got[1, 3] == 0.0).all()
+    np.testing.assert_allclose(np.delete(got[1], 3, axis=0), [[10, 20, 30, 40]] * 7)
+
+
+def test_positions_without_a_unit_are_read_as_degrees_and_told(tmp_path):
+    right = read_record(write_jsf(tmp_path / "a.jsf", course(40)))
+    for units in (0, 1):  # not declared; declared as millimetres
+        with pytest.warns(FileWarning, match="they are read as degrees"):
+            read = read_record(write_jsf(tmp_path / "b.jsf", course(40, units=units)))
+        np.testing.assert_allclose(read.platform_x, right.platform_x, atol=1e-6)
+
+
+def test_a_measured_sound_speed_and_pings_of_unequal_length_share_a_grid(tmp_path):
+    pings = course(30)
+    for n, ping in enumerate(pings):
+        ping["speed"] = 1480.0 + 0.01 * n
+        if n % 10 == 9:
+            ping["samples"] = [np.array([1, 2]), np.array([10, 20])]
+    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    assert dict(record.sizes) == {"channel": 2, "ping_time": 30, "range_sample": 4}
+    got = amplitudes(record)
+    np.testing.assert_allclose(got[1, 8], [10, 20, 30, 40], rtol=1e-4)
+    np.testing.assert_allclose(got[1, 9], [10, 20, 0, 0], rtol=1e-4)

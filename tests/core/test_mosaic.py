@@ -17,7 +17,7 @@ from insonify.io.records import read_record, write_record
 from insonify.scene import edit, load_scene
 from insonify.simulation import simulate
 from insonify.surveys.mosaic import Mosaic, choose_cell, make_mosaic, write_mosaic
-from insonify.surveys.swath import StoredSwaths, Swath, lay_swath
+from insonify.surveys.swath import RecordSwath, StoredSwaths, Swath
 from level_records import level_record
 
 BOX = re.compile(r"<(north|south|east|west)>([-\d.]+)</")
@@ -143,12 +143,13 @@ def made_record(altitude=5.0, heading=0.0, **attributes) -> xr.Dataset:
 
 
 def test_altitude_and_course_come_from_the_record_itself_where_they_are_not_told():
-    told, untold = lay_swath("a", made_record(5.0), ""), lay_swath("a", made_record(np.nan), "")
+    told, untold = RecordSwath("a", made_record(5.0), ""), RecordSwath("a", made_record(np.nan), "")
     np.testing.assert_allclose(told.altitude, 5.0)
     np.testing.assert_allclose(untold.altitude, 5.1, atol=0.1)
-    tracked = lay_swath("a", made_record(4.0), "", "bottom-track")
+    tracked = RecordSwath("a", made_record(4.0), "", "bottom-track")
     np.testing.assert_allclose(tracked.altitude, untold.altitude)
-    swath = lay_swath("a", made_record(heading=np.nan), "")
+    course = RecordSwath("a", made_record(heading=np.nan), "")
+    ((swath, _),) = course.blocks(*course.corners)
     np.testing.assert_allclose(swath.ends[:, 0, 0], swath.nadir[:, 0], atol=1e-9)
     assert (swath.ends[:, 0, 1] > 10.0).all()
 

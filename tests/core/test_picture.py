@@ -27,7 +27,7 @@ from insonify.display.picture import (
     place_columns,
 )
 from insonify.display.range_axis import RangeAxis, make_range_axis
-from insonify.display.sheet import resample_rows, take_sheet_pings
+from insonify.display.sheet import SheetPings, resample_rows
 from insonify.kernels.display.rows import average_bins
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
@@ -43,7 +43,14 @@ def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
 
 
 def gather_sheet(blocks, relative, pings, look):
-    return module.gather_sheet(map(take_sheet_pings, blocks), relative, pings, look)
+    parts = (
+        SheetPings(
+            block.intensity.values.swapaxes(0, 1), block.platform_x.values, block.platform_y.values,
+            block.platform_altitude.values, 2.0 * float(block.slant_range[0]),
+        )
+        for block in blocks
+    )  # fmt: skip
+    return module.gather_sheet(parts, relative, pings, look)
 
 
 def even(level=1.0, bins: int = BINS):
@@ -61,7 +68,7 @@ def test_a_flat_and_a_recorded_lambert_bed_are_even_and_the_curve_of_one_is_held
     gain = 1e6 * np.exp(-r / 20.0)  # whatever the recorder does with range
     bed = gain * (altitude[:, None] / r) ** 2 * (r >= altitude[:, None])
     intensity = np.stack([bed, bed]).astype(np.float32)
-    curve = estimate_median_curve(intensity, altitude, REACH / BINS)
+    curve = estimate_median_curve(intensity, altitude, REACH / BINS).at(altitude)[:, None]
     shown = normalise(np.moveaxis(intensity, 0, 1), curve)[:, :, 20:-10]
     np.testing.assert_allclose(shown[shown > 0.0], 1.0, atol=0.05)
     assert (shown > 0.0).mean() > 0.7
@@ -70,11 +77,12 @@ def test_a_flat_and_a_recorded_lambert_bed_are_even_and_the_curve_of_one_is_held
 @pytest.mark.parametrize("altitude", [0.0, 5e-324, 1e-200, 1e-9])
 def test_a_recording_of_hardly_any_altitude_or_without_echoes_has_a_curve(altitude):
     level = np.full((2, 3, BINS), 4.0, dtype=np.float32)
-    curve = estimate_median_curve(level, np.full(3, altitude), 0.25)
+    curve = estimate_median_curve(level, np.full(3, altitude), 0.25).at(np.full(3, altitude))[:, None]
     assert (np.isfinite(curve) & (curve > 0.0)).all()
     assert altitude > 0.0 or np.allclose(curve, 4.0, rtol=1e-7)
     np.testing.assert_allclose(normalise(np.moveaxis(level, 0, 1), curve), 1.0, rtol=1e-5)
-    np.testing.assert_array_equal(estimate_median_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
+    silent = estimate_median_curve(0.0 * level, np.full(3, 5.0), 0.25)
+    np.testing.assert_array_equal(silent.at(np.full(3, 5.0)), 1.0)
 
 
 def test_contrast_of_silence_and_of_even_beds_and_strong_materials_and_targets():

@@ -217,7 +217,7 @@ def test_a_record_tows_another(tmp_path):
         ("time,roll\n", "holds 0 rows"),
         ("", "has no column time"),
         ("time,roll\n0,port\n1,2\n", "cannot be read"),
-        ("time,roll\n0,1\n1\n", "cannot be read"),
+        ("time,roll\n0,1\n1\n", "no number for roll in row 2"),
         ("time,x,y\n0,0,0\n1,1e300,0\n", "has x 1e\\+300 m in row 2"),
         ("time,pitch\n0,-900\n1,0\n", "has pitch -900 ° in row 1"),
         *((name, "") for name in ("gone.csv", "tow.txt", "broken.nc", "uneven.nc")),

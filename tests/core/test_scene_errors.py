@@ -196,7 +196,25 @@ NAMELESS = [
     [
         ("seed = 1\ntitle = \n", r"is not valid TOML .*line 2"),
         (b"\xff\xfe\x00", "cannot be read"),
-        *((text, "is nested too deeply; a scene has") for text in (f"x = {'[' * 9999}", f"[{'a.' * 9999}a]")),
+        *(
+            (text, "is nested too deeply; write fewer tables")
+            for text in (f"x = {'[' * 9999}", f"x = {'[' * 200}{']' * 200}")
+        ),
+        *(
+            (text, "has a key of more than 100 parts; write fewer tables")
+            for text in (
+                f"[{'a.' * 200_000}a]",
+                f"{'a . ' * 100}a = 1",
+                "'.'." * 100 + "a = 1",
+                'x = {y = """it"s""", ' + '"b".' * 100 + "b = 1}",
+            )
+        ),
+        (f"[world]\ncrs = '''{'a.' * 200}'''  # {'a.' * 200}a\nseeed = 1", "world.seeed: unknown key"),
+        (f"{'a' * 10**6} = 1", "has a key of 1000000 characters, 'a{20}…'; shorten it$"),
+        *(
+            (f"seed = {digits}", "has a whole number of hundreds of digits")
+            for digits in ("9" * 5000, "0x" + "f" * 5000)
+        ),
         *(
             (f'{table}\npath = "a\\u0000b"\n', r"[\w.]+path: contains a NUL character, .*; remove it$")
             for table in NAMELESS

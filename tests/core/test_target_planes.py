@@ -12,10 +12,9 @@ from beds import arrays_of, gaussian_pattern, poses_of
 from insonify.errors import PlanWarning
 from insonify.kernels.beam.pattern import is_top_hat, shared_response
 from insonify.packing.packed_scene import Model, pack
-from insonify.planning import plan
 from insonify.planning.probe import trace_model
 from insonify.scene import edit, load_scene
-from insonify.simulation import prepare, simulate
+from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import make_poses
 from insonify.tracers.azimuth_fan import lay_planes, lay_planes_of_images
@@ -38,14 +37,13 @@ def glinting(radius, material, bed, width, pings=1):
 @pytest.mark.parametrize("name", GLINTS)
 @pytest.mark.parametrize("pings", [1, 512])
 def test_a_plan_keeps_its_promise_where_a_target_glints(name, pings):
-    scene = glinting(*GLINTS[name], pings)
-    packed, made = pack(scene), plan(scene)
-    poses = make_poses(scene, packed.ground, np.array([0]))
-    models = made.model._replace(planes=MANY, every=1), made.model
-    right, record = (trace_model(packed, model, poses) for model in models)
-    error = compare_records(packed.arrays, poses, record, right).beyond
-    assert error < min(0.01, max(2.0 * made.error, 0.003))
-    assert made.planes <= 2
+    simulation = prepare(glinting(*GLINTS[name], pings))
+    poses = simulation.poses(np.array([0]))
+    right = trace_model(simulation, simulation.plan.model._replace(planes=MANY, every=1), poses)
+    traced = simulation.trace_pings(poses)
+    error = compare_records(simulation.arrays, poses, traced.echoes, right).beyond
+    assert error < min(0.01, max(1.25 * float(simulation.errors(traced).max()), 0.003))
+    assert simulation.plan.planes == 1
 
 
 @pytest.mark.parametrize("name", GLINTS)
@@ -104,6 +102,10 @@ def test_an_estimated_error_beyond_the_tolerance_is_told():
     hard = edit(load_scene("default"), {"sonar.beam.width": 10.0, "track.pings": 2, "seabed.relief.rms": 0.3})
     with pytest.warns(PlanWarning, match=r"the estimated error of the record is .* more than the tolerance of 0.1 %"):
         simulate(hard, tolerance=0.001)
+    for call in (prepare, simulate, lambda *scene, **how: next(simulate_blocks(*scene, **how))):
+        with pytest.warns(PlanWarning) as told:
+            call(hard, tolerance=0.001)
+        assert [warning.filename for warning in told] == [__file__]
     easy = edit(hard, {"sonar.beam": "knife", "targets": []})
     with warnings.catch_warnings():
         warnings.simplefilter("error")

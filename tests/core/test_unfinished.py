@@ -269,6 +269,44 @@ def test_threads_that_write_one_file_have_a_temporary_file_each(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize(("mode", "owner", "followed"), [
+    (0o1777, 1234, False), (0o777, 1234, False), (0o755, 1234, True), (0o1777, 0, True), (0o1777, 4321, True),
+])  # fmt: skip
+def test_a_link_of_a_stranger_in_a_shared_folder_is_not_followed(tmp_path, mode, owner, followed):
+    if os.getuid():
+        pytest.skip("links are given to others by root alone")
+    shared, mine = tmp_path / "shared", tmp_path / "mine.nc"
+    shared.mkdir()
+    mine.write_text("old")
+    links = shared / "first.nc", shared / "record.nc"
+    links[0].symlink_to(mine)
+    links[1].symlink_to("first.nc")
+    os.lchown(links[0], owner, owner)
+    os.chown(shared, 4321, 4321)
+    shared.chmod(mode)
+    if followed:
+        write_new(links[1])
+    else:
+        with pytest.raises(PermissionError, match="link that another user has put into a shared folder") as refusal:
+            write_new(links[1])
+        assert refusal.value.filename == str(links[1])
+    assert mine.read_text() == ("new" if followed else "old")
+    assert sorted(shared.iterdir()) == [*links]
+    links[0].unlink()
+    links[0].symlink_to("record.nc")
+    with pytest.raises(OSError, match="symbolic links"):
+        write_new(links[0])
+
+
+def test_a_pipe_in_place_of_a_lease_holds_nobody_up(tmp_path):
+    left = tmp_path / ".record.unfinished-host-1-2.nc"
+    left.mkdir()
+    os.mkfifo(left / atomic.LEASE)
+    with pytest.warns(FileWarning, match="is writing it as well"):
+        write_new(tmp_path / "record.nc")
+    assert (tmp_path / "record.nc").read_text() == "new"
+
+
 def test_a_name_that_is_too_long_is_refused_before_the_work(tmp_path):
     with pytest.raises(OSError, match="File name too long"), replacing(tmp_path / ("x" * 300 + ".nc")):
         pytest.fail("the work has begun")

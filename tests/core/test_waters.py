@@ -1,10 +1,18 @@
 """Every kind of water as kernels see it."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from insonify.acoustics.water import make_sound_speed_field, make_water, recording_speed, speed_at_sonar
+from insonify.acoustics.water import (
+    SoundSpeedField,
+    make_sound_speed_field,
+    make_water,
+    recording_speed,
+    speed_at_sonar,
+)
 from insonify.cli import main
 from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
@@ -101,6 +109,33 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
     np.testing.assert_array_equal(water.station, section["distance"])
     found = [np.interp(10.0, water.height, speed) for speed in water.speed]
     np.testing.assert_allclose(found, [1500.0, 1520.0, 1515.0])
+
+
+def test_a_section_is_the_same_water_over_every_bed():
+    # Cells whose diagonal a point at the bed would turn: the speeds change crosswise.
+    speeds = np.random.default_rng(5).uniform(1485.0, 1515.0, (4, 4)).tolist()
+    section = {"kind": "section", "distance": [-15.0, 5.0, 25.0, 70.0], "depth": [3.0, 12.0, 30.0, 75.0]}
+    scene = scene_in(section | {"sound_speed": speeds, "heading": 90.0})
+    declared, rng = make_sound_speed_field(scene.water), np.random.default_rng(6)
+    for depth in (2.0, 7.0, 12.0, 21.0, 30.0, 44.0, 75.0, 90.0):
+        water = make_water(scene, -depth, 0.0)
+        packed = SoundSpeedField(depth - water.height[::-1], water.station, water.speed[:, ::-1], math.radians(90.0))
+        places = 0.0, rng.uniform(-30.0, 90.0, 500), rng.uniform(0.0, depth, 500)
+        np.testing.assert_allclose(packed.speed_at(*places), declared.speed_at(*places), rtol=1e-12)
+    # A ball over black beds: one echo, where an eigenray of the declared water leads.
+    black, ball = {"diffuse": 0.0, "specular": 0.0}, {"kind": "sphere", "radius": 0.1, "position": [0.0, 60.0, -35.0]}
+    setup = {"track.altitude": None, "track.depth": 15.0, "track.pings": 1, "track.start": [0.0, 0.0]}
+    setup |= {"sonar.range": 70.0, "sonar.bins": 7000, "sonar.ping_rate": 1.0, "sonar.pulse": "ideal"}
+    setup |= {"sonar.beam": {"kind": "fan", "width": 1.0}, "targets": [ball], "seabed.material": black}
+    records = []
+    for depth in (37.0, 46.0, 55.0):
+        simulation = prepare(edit(scene, setup | {"seabed.depth": depth}), method="rays", forced={"rays": "256000"})
+        records.append(simulation.intensity(np.arange(1))[0, 0])
+        (ray,) = trace_ray_diagram(simulation.scene, target=(60.0, 35.0)).eigenrays
+        first = np.flatnonzero(records[-1])[0] * 0.01
+        assert first == pytest.approx(ray.slant_range - 0.1, abs=0.011), depth
+    sums = [record.sum() for record in records]
+    np.testing.assert_allclose(sums, sums[0], rtol=0.02)  # of some hundred rays that meet the ball
 
 
 def test_polylines_keep_within_their_tolerance_and_drop_what_is_straight():

@@ -8,14 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyxtf
+import rasterio
 import xarray as xr
 from PIL import Image
 
 from commands import refused
 from insonify.cli import main
+from insonify.display.display_options import DisplayOptions
+from insonify.display.sheet import gather_record_sheet
 from insonify.errors import FileWarning
-from insonify.io.records import read_record, write_record
+from insonify.io import record_schema
+from insonify.io.records import bottom_track, read_record, recording, write_record
 from insonify.scene import SceneError
+from insonify.statistics import record_statistics
+from insonify.statistics.record_statistics import measure_statistics
+from insonify.surveys import mosaic, swath
 from xtf_files import FAR_TO_NEAR, NEAR_TO_FAR, PING, PORT, STARBOARD, SUBBOTTOM, amplitudes, write_xtf
 
 SIDES = [[1, 2, 3, 4], [10, 20, 30, 40]]  # amplitudes of a ping
@@ -131,6 +138,172 @@ def test_other_packets_padding_and_an_index_beside_the_file_are_passed_over(tmp_
     index.unlink()
     read_record(path)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def moving(pings: int, rate: float, *, whole: bool, degrees: bool = True, **fields) -> list[dict]:
+    """Pings on a course to the north-east at 1.2 m/s, from half a second after a tick of the clock on."""
+    made = []
+    for n in range(pings):
+        time, way = 10.5 + n / rate, 1.2 * n / rate
+        place = (7.5 + way / 2**0.5 / 73_200.0, 48.8 + way / 2**0.5 / 111_200.0) if degrees else (3.0 + way, 5.0)
+        fix = dict(zip(("SensorXcoordinate", "SensorYcoordinate"), place))
+        clock = {"Minute": int(time) // 60, "Second": int(time) % 60, "HSeconds": 0 if whole else round(time % 1 * 100)}
+        made.append({**PING, **clock, **fix, "SensorSpeed": 2.333, **fields})
+    return made
+
+
+@pytest.mark.parametrize("rate", [4.0, 7.0])
+def test_a_clock_of_whole_seconds_is_spread_over_its_pings(tmp_path, rate):
+    """Positions are those of a clock of hundredths, within what a ping moves in the tick that begins the recording."""
+    rough, fine = (read_record(write_xtf(tmp_path / "a.xtf", moving(90, rate, whole=whole))) for whole in (True, False))
+    assert (np.diff(rough.ping_time) > 0.0).all()
+    np.testing.assert_allclose(rough.ping_time, fine.ping_time, atol=1.0 / rate)
+    for axis in ("platform_x", "platform_y"):
+        np.testing.assert_allclose(rough[axis], fine[axis], atol=0.02)
+    # A pause is not filled: the pings before it keep their rate.
+    paused = moving(40, 4.0, whole=True)
+    for ping in paused[22:]:
+        ping["Minute"] += 3
+    times = read_record(write_xtf(tmp_path / "b.xtf", paused)).ping_time.values
+    assert np.sort(np.diff(times))[-2] < 0.5
+    assert np.argmax(np.diff(times)) == 21
+
+
+def test_a_clock_that_goes_back_counts_on_and_is_told(tmp_path):
+    pings = moving(60, 5.0, whole=False)
+    for ping in pings[30:]:
+        ping["Second"] -= 2
+    with pytest.warns(FileWarning, match="its clock goes back at ping 30"):
+        record = read_record(write_xtf(tmp_path / "a.xtf", pings))
+    assert (np.diff(record.ping_time) > 0.0).all()
+    assert np.diff(record.platform_x).max() < 1.0
+    with pytest.warns(FileWarning, match="its clock goes back at ping 1"):
+        record = read_record(write_xtf(tmp_path / "a.xtf", [{**pings[0], "Second": 9 - n} for n in range(5)]))
+    np.testing.assert_array_equal(record.ping_time, np.arange(5.0))
+
+
+@pytest.mark.parametrize("numbered", ["alike", "each", "not"])
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_sides_that_are_stored_one_by_one_are_joined(tmp_path, numbered, order):
+    pings = []
+    for n in range(12):
+        for at, row in enumerate(order):
+            number = {"alike": n, "each": 2 * n + at, "not": 0}[numbered]
+            one = {"samples": [None, None], "Second": n, "PingNumber": number}
+            one["samples"][row] = [[4 + n, 3, 2, 1], NEAR_TO_FAR][row]
+            pings.append(one)
+    record = read_record(write_xtf(tmp_path / "a.xtf", pings))
+    assert record.sizes["ping_time"] == 12
+    expected = np.array([[[1, 2, 3, 4 + n] for n in range(12)], [NEAR_TO_FAR] * 12])
+    np.testing.assert_allclose(amplitudes(record), expected)
+    if numbered != "alike":
+        return
+    del pings[7]  # the second side of a ping is lost, and no other takes its place
+    got = amplitudes(read_record(write_xtf(tmp_path / "a.xtf", pings)))
+    expected[order[1], 3] = 0
+    np.testing.assert_allclose(got, expected)
+
+
+def test_the_unit_of_positions_is_the_one_that_gives_the_speed(tmp_path):
+    right = read_record(write_xtf(tmp_path / "a.xtf", moving(60, 5.0, whole=False)))
+    for speed in (2.333, 0.0):
+        pings = moving(60, 5.0, whole=False, SensorSpeed=speed)
+        with pytest.warns(FileWarning, match=r"declares positions in metres, .* they are read as degrees: 1\.2 m/s"):
+            read = read_record(write_xtf(tmp_path / "b.xtf", pings, NavUnits=0))
+        np.testing.assert_allclose(read.platform_x, right.platform_x, atol=1e-6)
+        assert read.attrs["crs"] == right.attrs["crs"]
+    pings = [{**ping, "SensorXcoordinate": 4.1e5 + n} for n, ping in enumerate(moving(20, 5.0, whole=False))]
+    with pytest.warns(FileWarning, match="they are read as metres"):
+        read = read_record(write_xtf(tmp_path / "b.xtf", pings, NavUnits=3))
+    np.testing.assert_allclose(read.platform_x, np.arange(20.0))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("jitter", [0.0, 2e-3])
+def test_metres_stay_metres_where_the_fish_stands_still_or_moves(tmp_path, jitter):
+    rng = np.random.default_rng(4)
+    moved = read_record(write_xtf(tmp_path / "a.xtf", moving(40, 5.0, whole=False, degrees=False), NavUnits=0))
+    np.testing.assert_allclose(moved.platform_x, 1.2 * np.arange(40) / 5.0)
+    still = moving(40, 5.0, whole=False, degrees=False, SensorSpeed=0.0)
+    still = [{**ping, "SensorXcoordinate": 3.0 + jitter * rng.normal(), "SensorYcoordinate": 5.0} for ping in still]
+    record = read_record(write_xtf(tmp_path / "a.xtf", still, NavUnits=0))
+    assert np.ptp(record.platform_x.values) < 0.02
+
+
+def test_a_fish_that_stands_still_has_a_picture_and_a_mosaic_and_a_speed_against_it_is_told(tmp_path, capsys):
+    rng = np.random.default_rng(5)
+    pings = [
+        {"samples": rng.integers(1, 999, (2, 100)), "SensorPrimaryAltitude": 5.0, "SensorXcoordinate": 7.5,
+         "SensorYcoordinate": 48.8, "SensorHeading": 30.0, "SensorSpeed": 4.0, "Second": n}
+        for n in range(40)
+    ]  # fmt: skip
+    path = str(write_xtf(tmp_path / "a.xtf", pings))
+    with pytest.warns(FileWarning, match="its positions move by 0 m, its speed gives 80.3 m"):
+        assert np.ptp(read_record(path).platform_x.values) == 0.0
+    for words in (["render", path, "-o", str(tmp_path / "a.png")], ["mosaic", path, "-o", str(tmp_path / "a.tif")]):
+        assert main(words) == 0
+    assert capsys.readouterr().err.count("the positions are taken") == 2
+
+
+@pytest.fixture
+def read_in_parts(monkeypatch):
+    """Let recordings of any size stay in their files, and be read a few pings at a time."""
+    monkeypatch.setattr(recording, "FEW", 0)
+    monkeypatch.setattr(recording, "TOGETHER", 500)
+    for module in (bottom_track, record_schema):
+        monkeypatch.setattr(module, "TOGETHER", 3000)
+    monkeypatch.setattr(record_statistics, "STRETCH", 64)
+    monkeypatch.setattr(swath, "BLOCK", 3000)
+    monkeypatch.setattr(mosaic, "STRIP", 5000)
+
+
+def long_recording(path: Path, pings: int = 300, bins: int = 330) -> Path:
+    """Write pings of three lengths, some of one side alone, over a bed 4 m beneath."""
+    rng, made = np.random.default_rng(7), moving(pings, 5.0, whole=False, SensorHeading=45.0)
+    for n, ping in enumerate(made):
+        count = bins if n % 50 else bins // 2
+        echo = np.where(np.arange(count) < 40 + 5 * np.sin(n / 20.0), 3.0, 900.0) * rng.rayleigh(size=(2, count))
+        reach = 33.0 if n % 7 else 30.0
+        ping |= {"samples": [np.ceil(echo[0])[::-1], None if n % 60 == 59 else np.ceil(echo[1])]}
+        ping |= {"reaches": [reach * count / bins] * 2}
+    return write_xtf(path, made)
+
+
+def test_a_recording_that_stays_in_its_file_gives_the_same_as_one_in_memory(tmp_path, request):
+    path = long_recording(tmp_path / "a.xtf")
+
+    def everything():
+        record = read_record(path)
+        main(["mosaic", str(path), "-o", str(tmp_path / "a.tif"), "--cell", "0.2", "--overlap", "nearest"])
+        with rasterio.open(tmp_path / "a.tif") as file:
+            level = file.read(1)
+        sheet = gather_record_sheet(record, DisplayOptions())
+        return record, level, measure_statistics(record), sheet
+
+    record, level, measured, sheet = everything()
+    request.getfixturevalue("read_in_parts")
+    stored, parts, in_parts, sheet_of_parts = everything()
+    assert not stored.intensity.variable._in_memory
+    xr.testing.assert_identical(stored.load(), record)
+    np.testing.assert_array_equal(parts, level)
+    np.testing.assert_array_equal(sheet_of_parts.amplitude, sheet.amplitude)
+    for one, other in zip(in_parts, measured):
+        np.testing.assert_array_equal(one, other)
+    some = read_record(path)
+    wanted = np.array([5, 250, 17])
+    np.testing.assert_array_equal(some.intensity[1, wanted, 3:9], record.intensity[1, wanted, 3:9])
+    np.testing.assert_array_equal(some.bottom_track[-1], record.bottom_track[-1])
+
+
+def test_a_file_that_changes_after_it_was_opened_is_one_sentence(tmp_path, read_in_parts):
+    path = long_recording(tmp_path / "a.xtf")
+    record = read_record(path)
+    path.write_bytes(path.read_bytes()[:-64])
+    with pytest.raises(SceneError, match=r"a.xtf: has changed since it was opened; open it again$"):
+        record.intensity.load()
+    path.unlink()
+    with pytest.raises(SceneError, match=r"a.xtf: .*open it again$"):
+        record.intensity.load()
 
 
 def two_frequencies(tmp_path: Path) -> Path:

@@ -19,8 +19,8 @@ from insonify.scene.sonar.pulses import Chirp, Ideal, Tone
 from insonify.simulation import prepare
 from insonify.tow.poses import take_poses
 from insonify.tracers import rays, sweep
-from insonify.tracers.scatterers import ScattererTracer, sample_pulse
-from receptions import RAYLEIGH, correlation, variation
+from insonify.tracers.scatterers import ScattererTracer, make_tracer, sample_pulse
+from receptions import RAYLEIGH, correlation, field_correlation, variation
 
 SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
@@ -118,6 +118,24 @@ def test_a_bin_longer_than_the_pulse_averages_looks_and_keeps_the_mean():
     # Samples a third of a bin apart share 1/9 of a pulse: (1 + 2 · (2/3)(1/9)²)/3; and few scatterers add 2/N a sample.
     number = 6000.0 * cells(np.arange(140, BINS), 0.0375 / 2.0).mean()
     assert intensity.var() == pytest.approx((1.0 + 4.0 / 243.0 + 2.0 / number) / 3.0, rel=0.03)
+
+
+@pytest.mark.parametrize(("frequency", "length", "two_way"), [(700e3, 0.7, True), (300e3, 0.4, False)])
+def test_near_an_array_pings_keep_together_as_its_field_does(frequency, length, two_way):
+    step, pings, bins = 0.04, 400, 120
+    beam = {"kind": "array", "length": length, "two_way": two_way}
+    changes = {"seabed.relief": "flat", "targets": [], "sonar.frequency": frequency, "sonar.beam": beam}
+    changes |= {"sonar.range": 18.0, "sonar.bins": bins, "track.altitude": 4.0}
+    scene = edit(load_scene("default"), changes | {"receiver": {"speckle": {"kind": "coherent", "density": 100.0}}})
+    arrays = prepare(scene).arrays
+    tracer, poses = make_tracer(scene, arrays), poses_of(step * np.arange(pings), 0.0, arrays.bed.high + 4.0)
+    waves = tracer.trace_waves(arrays, poses, planes=2).reshape(pings, 2, bins, -1)
+    for r in (8.0, 16.0):
+        part = waves[:, :, abs((np.arange(bins) + 0.5) * 18.0 / bins - r) < 1.0]
+        lags = np.arange(math.ceil(length / step))
+        wanted = field_correlation(1500.0 / frequency, length, "uniform", 1 + two_way, r, step * lags)
+        found = np.array([abs((part[lag:] * part[: pings - lag].conj()).mean()) for lag in lags])
+        np.testing.assert_allclose(found / found[0], wanted, atol=0.08)
 
 
 @pytest.mark.parametrize(("half_width", "heading"), [(HALF_WIDTH, 0.0), (HALF_WIDTH, 0.7), (0.5 * HALF_WIDTH, 0.0)])

@@ -122,6 +122,15 @@ def test_the_laws_follow_the_model(name):
         assert fit.specular > 0.0 or law[1] >= exact[1] * 0.999 or fit.diffuse == 1.0
 
 
+@pytest.mark.parametrize("name", SEDIMENTS)
+def test_levels_over_frequency_hardly_step(name):
+    """Within 1 % of frequency by less than a decibel, of which the model itself takes up to 0.06."""
+    frequencies, angles = np.geomspace(11e3, 500e3, 384), np.radians([15.0, 40.0, 55.0, 65.0, 75.0, 80.0, 86.0, 89.0])
+    fits = [fit_law(MATERIALS[name].model, float(frequency), 20.0) for frequency in frequencies]
+    levels = decibels(np.array([scattering_strength(fit, np.sin(angles)) for fit in fits]))
+    assert np.abs(np.diff(levels, axis=0)).max() < 0.9
+
+
 def test_misfits_of_sands_are_small_where_a_side_scan_looks():
     """From 10 to 45° grazing, at the frequencies with which the model was compared."""
     angles = np.radians(np.arange(10.0, 46.0, 5.0))
@@ -148,6 +157,13 @@ def test_a_scene_is_told_of_misfits_and_limits(capsys):
     assert f"{off:+.1f}" in lines[2]
     assert [line for line in lines if "outside the range" in line] == lines[3:4]
     assert lines[4].startswith("the record reaches down to 7.2° grazing")
+    # Between the model's own growth, of roughness by 0.75 powers of frequency at 10 to 60°, and that of small grains.
+    own = decibels(np.divide(*(model_strength(MATERIALS["medium_sand"].model, f, ANGLES[:4]) for f in (900e3, 300e3))))
+    assert lines[3].endswith(
+        f"by {own.max():+.1f} dB, grains may add up to {40.0 * math.log10(3.0) - own.min():.1f} dB"
+    )
+    low = list(describe_limits(edit(scene, {"sonar.frequency": 6e3, "sonar.range": 40.0, "sonar.pulse": "ideal"})))
+    assert low[0].startswith("6 kHz is outside the range of the backscatter model, 10 to 300 kHz: extrapolated by -")
     near = edit(scene, {"sonar.frequency": 200e3, "sonar.range": 40.0})
     assert list(describe_limits(near)) == []
     assert list(describe_materials(edit(scene, {"seabed.material.diffuse": 0.2}))) == []

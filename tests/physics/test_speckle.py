@@ -15,7 +15,7 @@ from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, Speckle, shape_tabl
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import Chirp
 from insonify.simulation import prepare
-from receptions import RAYLEIGH, correlation, reception, variation
+from receptions import RAYLEIGH, correlation, field_correlation, reception, variation
 
 BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
 WAVELENGTH = 1500.0 / 400e3
@@ -87,6 +87,41 @@ def test_pings_keep_together_over_half_an_array_and_a_broad_beam_decorrelates_so
     # 0.21 m and 0.05 m, in pings 2 cm apart.
     assert correlation(narrow, 2, 0) > 0.7
     assert correlation(broad, 4, 0) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("frequency", "length", "taper", "ways", "advance"),
+    [
+        (400e3, 0.6, "uniform", 2, 0.05),
+        (900e3, 1.0, "uniform", 2, 0.02),  # in the near field to 600 m
+        (600e3, 0.9, "cosine", 2, 0.011),  # 82 pings within the array
+        (850e3, 1.3, "hamming", 2, 0.2),
+        (300e3, 0.4, "hamming", 1, 0.03),
+        (455e3, 0.8, "cosine", 1, 0.02),
+        (120e3, 0.3, "uniform", 2, 0.5),  # pings farther apart than the array is long
+    ],
+)
+def test_near_and_far_pings_keep_together_as_the_field_of_an_array_does(frequency, length, taper, ways, advance):
+    beam = {"kind": "array", "length": length, "taper": taper, "two_way": ways == 2}
+    changes = {"sonar__frequency": frequency, "sonar__beam": beam, "track__speed": 2.0 * advance}
+    changes |= {"sonar__range": 150.0, "sonar__ping_rate": 2.0, "sonar__pulse": "ideal"}
+    ready = reception(300, 0.5, receiver__speckle="rayleigh", **changes)
+    field, lags = ready.find(Speckle).field, advance * np.arange(math.ceil(1.1 * length / advance) + 1)
+    intensity = field.energies(np.arange(1500)).astype(float) - 1.0
+    for r in (2.25, 7.25, 21.25, 60.25, 140.25):
+        row = np.searchsorted(field.edges, int(r / 0.5), side="right") - 1
+        weights = np.pad(field.filters.weights[row], (0, lags.size))
+        found = np.correlate(weights, weights[: -lags.size], "valid")[: lags.size]
+        wanted = field_correlation(1500.0 / frequency, length, taper, ways, r, lags)
+        # A one-way grain is in proportion to r, which is rounded to 2 %.
+        np.testing.assert_allclose(np.abs(found), wanted, atol=0.02)
+        grain, exact = (1.0 + 2.0 * (each[1:] ** 2).sum() for each in (found, wanted))
+        assert grain == pytest.approx(exact, rel=0.03), r
+        # The factors of a record, in the bins that share the correlation.
+        part = intensity[:, :, field.edges[row] : field.edges[row + 1]]
+        samples = part.size / grain
+        measured = [(part[lag:] * part[: 1500 - lag]).mean() for lag in range(lags.size)]
+        np.testing.assert_allclose(measured, found**2, atol=0.02 + 5.0 / math.sqrt(samples))
 
 
 def test_of_an_ideal_pulse_bins_sides_and_other_pings_are_independent():

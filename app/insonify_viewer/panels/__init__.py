@@ -8,7 +8,7 @@ imports Qt. Folders are found by being here. Installed packages announce a panel
 
 from typing import Any
 
-from insonify.plugins import announced, modules_in
+from insonify.plugins import announced, loaded, modules_in
 
 GROUP = "insonify.panels"
 
@@ -16,5 +16,6 @@ GROUP = "insonify.panels"
 def find_panels() -> list[Any]:
     """Find the classes of all panels, in the order in which the window shows them."""
     found = [module.PANEL for module in modules_in(__name__) if hasattr(module, "PANEL")]
-    found += [entry.load() for entry in announced(GROUP)]
-    return sorted(found, key=lambda panel: (panel.rank, panel.name))
+    ranked = [(panel.rank, panel.name, panel) for panel in found]
+    ranked += loaded(announced(GROUP), lambda panel: (panel.rank, panel.name, panel))
+    return [panel for *_, panel in sorted(ranked, key=lambda each: each[:2])]

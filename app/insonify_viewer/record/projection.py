@@ -110,11 +110,18 @@ class Projection:
 
     def place_of(self, mark: Mark, *, beside: float = 0.5) -> tuple[float, float]:
         """Place of a bin, at a share of its width; outside the plot where the picture leaves it out."""
-        distance = float(self.axis.distance_of(np.array([mark.bin + beside]), self._altitude(mark.ping))[0])
-        if math.isnan(distance) or (self.side != "both" and self.side != mark.side_name):
-            return -1.0, -1.0
-        signed = distance if mark.side else -distance
-        return float(self.across(np.array(signed))), float(self.down(np.array(mark.ping - 0.5)))
+        u, v = self.places_of(np.array([[mark.ping, mark.side, mark.bin]]), beside=beside)[0].tolist()
+        return u, v
+
+    def places_of(self, marks: Integers, *, beside: float = 0.5) -> Floats:
+        """Places, (n, 2), of bins, (n, 3) ping, side and bin, as `place_of` gives those of one."""
+        ping, side, bins = marks.T
+        distance = self.axis.distance_of(bins + beside, self.altitude_of(ping))
+        left_out = np.isnan(distance)
+        if self.side != "both":
+            left_out |= side != (self.side == "starboard")
+        places = np.stack([self.across(np.where(side == 1, distance, -distance)), self.down(ping - 0.5)], axis=1)
+        return np.asarray(np.where(left_out[:, None], -1.0, places))
 
     def columns(self, amplitude: Singles, altitude: Floats, width: int, rows: Integers | None = None) -> Singles:
         """Average bins into the columns of the plot, or repeat them where there are more columns than bins."""

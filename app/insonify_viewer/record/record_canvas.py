@@ -185,9 +185,13 @@ class RecordCanvas(Painted):
 
     def place_of(self, mark: Mark) -> QPoint:
         """Position of a bin in the widget; outside the record where the picture leaves it out."""
+        return QPoint(*self.places_of(np.array([[mark.ping, mark.side, mark.bin]]))[0].tolist())
+
+    def places_of(self, marks: Integers) -> Integers:
+        """Positions in the widget, (n, 2), of bins, (n, 3) ping, side and bin."""
         plot = self.plot_area
-        u, v = self.projection.place_of(mark)
-        return QPoint(plot.left() + int(u * plot.width()), plot.top() + int(v * plot.height()))
+        shares = self.projection.places_of(marks) * (plot.width(), plot.height())
+        return np.array([plot.left(), plot.top()]) + shares.astype(np.int64)
 
     @property
     def _shows_trace(self) -> bool:

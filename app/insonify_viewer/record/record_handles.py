@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from PySide6.QtCore import QObject, QPoint, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen
 
+from insonify.arrays import Booleans, Integers
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.theme import HALO, MARK_IN_WATER
 
@@ -33,10 +35,11 @@ class RecordHandles(QObject):
     pulled = Signal(object)  # Mark under the mouse
     released = Signal()
 
-    def __init__(self, place_of: Callable[[Mark], QPoint], changed: Callable[[], None], parent: QObject) -> None:
+    def __init__(self, places_of: Callable[[Integers], Integers], changed: Callable[[], None], parent: QObject) -> None:
         super().__init__(parent)
-        self._place_of, self._changed = place_of, changed
+        self._places_of, self._changed = places_of, changed
         self._shown: Sequence[Shown] = ()
+        self._marks, self._chosen = np.zeros((0, 3), np.int64), np.zeros(0, np.bool_)
         self._mouse = QPoint(-1000, -1000)
         self.held = False
 
@@ -44,19 +47,23 @@ class RecordHandles(QObject):
         """Show handles: number, bin, what a drag does, and whether it belongs to the chosen target."""
         if handles != self._shown:
             self._shown = handles
+            marks = [(mark.ping, mark.side, mark.bin) for _, mark, _, _ in handles]
+            self._marks = np.array(marks, np.int64).reshape(-1, 3)
+            self._chosen = np.array([chosen for *_, chosen in handles], np.bool_)
             self._changed()
 
     def place(self, number: int) -> QPoint:
         """Position of a handle in the view."""
-        return next(self._place_of(mark) for shown, mark, _, _ in self._shown if shown == number)
+        place = next(place for place, (shown, *_) in enumerate(self._shown) if shown == number)
+        return QPoint(*self._places_of(self._marks[place : place + 1])[0].tolist())
 
     def take(self, place: QPoint, mark: Mark | None) -> bool:
         """Take hold of the handle at a place; return whether there is one."""
-        number = self._at(place)
-        if number is None:
+        handle = self._at(place, self._places_of(self._marks))
+        if handle is None:
             return False
         self.held = True
-        self.taken.emit(number)
+        self.taken.emit(handle[0])
         if mark is not None:
             self.pulled.emit(mark)
         return True
@@ -68,35 +75,36 @@ class RecordHandles(QObject):
 
     def hover(self, place: QPoint) -> str:
         """Follow the mouse; return what a drag from here would do, or nothing."""
-        before, self._mouse = self._visible(), place
-        if self._visible() != before:
+        places = self._places_of(self._marks)
+        before, self._mouse = self._visible(places), place
+        if (self._visible(places) != before).any():
             self._changed()
-        number = self._at(place)
-        return next((TIPS[action] for shown, _, action, _ in self._shown if shown == number), "")
+        handle = self._at(place, places)
+        return "" if handle is None else TIPS[handle[2]]
 
     def draw(self, painter: QPainter) -> None:
         """Draw the handles of the chosen target, and those near the mouse."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for number, mark, action, chosen in self._shown:
-            if number in self._visible():
-                _draw(painter, QPointF(self._place_of(mark)), action, chosen=chosen)
+        places = self._places_of(self._marks)
+        for k in np.flatnonzero(self._visible(places)).tolist():
+            _, _, action, chosen = self._shown[k]
+            _draw(painter, QPointF(*places[k].tolist()), action, chosen=chosen)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
 
-    def _visible(self) -> set[int]:
-        return {
-            number
-            for number, mark, _, chosen in self._shown
-            if chosen or (self._place_of(mark) - self._mouse).manhattanLength() <= SEEN
-        }
+    def _visible(self, places: Integers) -> Booleans:
+        return self._chosen | (_distances(places, self._mouse) <= SEEN)
 
-    def _at(self, place: QPoint) -> int | None:
+    def _at(self, place: QPoint, places: Integers) -> Shown | None:
         """Return the nearest handle within reach of the mouse; ends before middles, which move the whole."""
-        near = [
-            ((self._place_of(mark) - place).manhattanLength(), action == "move", number)
-            for number, mark, action, _ in self._shown
-        ]
-        within = [(middle, distance, number) for distance, middle, number in near if distance <= GRIP]
-        return min(within)[2] if within else None
+        distance = _distances(places, place)
+        within = np.flatnonzero(distance <= GRIP).tolist()
+        ranks = [(self._shown[k][2] == "move", int(distance[k]), self._shown[k][0], k) for k in within]
+        return self._shown[min(ranks)[-1]] if ranks else None
+
+
+def _distances(places: Integers, place: QPoint) -> Integers:
+    """Distances of places from one, along and across together, in pixels."""
+    return np.asarray(np.abs(places - (place.x(), place.y())).sum(axis=1))
 
 
 def _draw(painter: QPainter, place: QPointF, action: str, *, chosen: bool) -> None:

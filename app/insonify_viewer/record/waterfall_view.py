@@ -60,7 +60,7 @@ class WaterfallView(RecordCanvas):
         self._begun: Mark | None = None  # where the Return key has begun a line
         self.is_covered: Callable[[QPoint], bool] = lambda _: False
         self._cursor = RecordCursor(lambda: self.plot_area, self.mark_at, self.place_of)
-        self.handles = RecordHandles(self.place_of, self.update, self)
+        self.handles = RecordHandles(self.places_of, self.update, self)
         self._pressed: QPoint | None = None
         self._taken: QPoint | None = None  # where a handle was taken
         self._dragged: QPoint | None = None  # where a drag under way has come to

@@ -1,6 +1,7 @@
 """Handles of targets in scene and record, what a drag changes, and where a line of sight ends."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -25,6 +26,7 @@ NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
 DIGITS = 3  # of positions and sizes in metres
+BLOCK = 512  # places whose echoes are looked for at once, to bound memory
 SAMPLES = 4096  # along the line
 HALVINGS = 30
 CLEAR = 2.0  # m above the highest bed known, and below the lowest, between which the line is looked at
@@ -43,24 +45,25 @@ class Handle:
 
 def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]:
     """List the handles of the targets that are not locked: all can be moved, the chosen one turned and resized too."""
-    scene, found = simulation.scene, []
+    scene = simulation.scene
+    found: list[tuple[int, Action, float, float]] = []  # target, what a drag does, how far ahead and aside
     for number, target in enumerate(scene.targets):
         if target.locked:
             continue
-        found.append(Handle(number, "move", _place(simulation, target, 0.0)))
+        found.append((number, "move", 0.0, 0.0))
         if number == chosen:
             half = half_length(target)
             if "heading" in type(target).model_fields and target.kind != "sphere":
-                beyond = half + BESIDE * scene.sonar.range
-                found.append(Handle(number, "turn", _place(simulation, target, beyond)))
+                found.append((number, "turn", half + BESIDE * scene.sonar.range, 0.0))
             if target.kind in SIZES:
-                found.append(Handle(number, "resize", _place(simulation, target, half)))
+                found.append((number, "resize", half, 0.0))
             aside = half_width(target) + ASIDE * scene.sonar.range
             if target.kind in THICKNESSES:
-                found.append(Handle(number, "thicken", _place(simulation, target, 0.0, aside)))
+                found.append((number, "thicken", 0.0, aside))
             if target.kind in RAISED:
-                found.append(Handle(number, "raise", _place(simulation, target, 0.0, -aside)))
-    return tuple(found)
+                found.append((number, "raise", 0.0, -aside))
+    places = _places(simulation, [(scene.targets[number], ahead, aside) for number, _, ahead, aside in found])
+    return tuple(Handle(number, action, place) for (number, action, *_), place in zip(found, places))
 
 
 def half_length(target: Target) -> float:
@@ -107,38 +110,55 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
     """Find the bin of the direct echo of a place abeam; None if it is out of range or never abeam."""
+    return echo_marks(simulation, [place])[0]
+
+
+def echo_marks(simulation: Simulation, places: Sequence[Place]) -> list[Mark | None]:
+    """Find the bins of the direct echoes of places abeam; None of each out of range or never abeam."""
+    blocks = (places[first : first + BLOCK] for first in range(0, len(places), BLOCK))
+    return [mark for block in blocks for mark in _echo_marks(simulation, np.array(block))]
+
+
+def _echo_marks(simulation: Simulation, places: Floats) -> list[Mark | None]:
+    """Find the bins of the direct echoes of some places, (n, 3)."""
     scene, arrays = simulation.scene, simulation.arrays
     step = scene.track.speed / scene.sonar.ping_rate
     line = simulation.line(np.zeros(1, dtype=np.int64))
     heading = float(line.heading[0])
-    ahead = (place[0] - float(line.x[0])) * math.cos(heading) + (place[1] - float(line.y[0])) * math.sin(heading)
-    middle = round(ahead / step)
-    if middle < -AROUND:
-        return None
-    pings = np.arange(max(middle - AROUND, 0), max(middle + AROUND, 0) + 1, dtype=np.int64)
-    pose = simulation.poses(pings)
-    dx, dy, dz = place[0] - pose.x, place[1] - pose.y, place[2] - pose.z
-    along = dx * np.cos(pose.heading) + dy * np.sin(pose.heading)
-    left = dy * np.cos(pose.heading) - dx * np.sin(pose.heading)
+    x, y, z = places.T[:, :, None]
+    ahead = (x - line.x[0]) * math.cos(heading) + (y - line.y[0]) * math.sin(heading)
+    pings = np.rint(ahead / step).astype(np.int64) + np.arange(-AROUND, AROUND + 1)  # (n, 2 AROUND + 1)
+    met = pings >= 0
+    sent, which = np.unique(np.maximum(pings, 0), return_inverse=True)
+    pose = simulation.poses(sent)
+    which = which.reshape(pings.shape)
+    cosine, sine = np.cos(pose.heading)[which], np.sin(pose.heading)[which]
+    dx, dy, dz = x - pose.x[which], y - pose.y[which], z - pose.z[which]
     slant = np.sqrt(dx**2 + dy**2 + dz**2)
     # The beam is a cone about the axis of the fish, squinted from the plane athwart.
-    off = np.abs(along - arrays.pattern.centre * slant)
-    k = int(np.argmin(off))
-    if off[k] > 2.0 * step or slant[k] >= arrays.bins * arrays.bin_length:
-        return None
-    return Mark(int(pings[k]), int(left[k] < 0.0), int(slant[k] / arrays.bin_length))
+    off = np.where(met, np.abs(dx * cosine + dy * sine - arrays.pattern.centre * slant), np.inf)
+    nearest = np.arange(len(places)), np.argmin(off, axis=1)
+    seen = (off[nearest] <= 2.0 * step) & (slant[nearest] < arrays.bins * arrays.bin_length)
+    starboard = (dy * cosine - dx * sine)[nearest] < 0.0
+    found = np.stack([pings[nearest], starboard, slant[nearest] / arrays.bin_length], axis=1).astype(np.int64)
+    return [Mark(*bins) if is_seen else None for bins, is_seen in zip(found.tolist(), seen.tolist())]
 
 
-def _place(simulation: Simulation, target: Target, ahead: float, aside: float = 0.0) -> Place:
-    """Place at half the height of a target, some way ahead of its centre and to its port side."""
-    angle = math.radians(float(target.attitude[0]))
-    x = target.position[0] + ahead * math.cos(angle) - aside * math.sin(angle)
-    y = target.position[1] + ahead * math.sin(angle) + aside * math.cos(angle)
-    if len(target.position) == 3:
-        return x, y, target.position[2] - simulation.ground.datum
-    bed = float(simulation.ground.height_at_once(np.array([x]), np.array([y]))[0])
-    up = target.underside + target.outline.extent((0.0, 0.0, 1.0))
-    return x, y, (0.0 if math.isnan(bed) else bed) + up
+def _places(simulation: Simulation, wanted: Sequence[tuple[Target, float, float]]) -> list[Place]:
+    """Places at half the height of targets, some way ahead of their centres and to their port sides."""
+    level = []
+    for target, ahead, aside in wanted:
+        (x, y, *_), angle = target.position, math.radians(float(target.attitude[0]))
+        cosine, sine = math.cos(angle), math.sin(angle)
+        level.append((x + ahead * cosine - aside * sine, y + ahead * sine + aside * cosine))
+    east, north = np.array(level).reshape(-1, 2).T
+    beds = np.nan_to_num(simulation.ground.height_at_once(east, north)).tolist()
+    return [
+        (*place, target.position[2] - simulation.ground.datum)
+        if len(target.position) == 3
+        else (*place, bed + target.underside + target.outline.extent((0.0, 0.0, 1.0)))
+        for place, bed, (target, *_) in zip(level, beds, wanted)
+    ]
 
 
 def _distance(target: Target, x: float, y: float) -> float:

@@ -11,6 +11,7 @@ from insonify_viewer.seabed.handle_geometry import (
     Place,
     drag_edit,
     echo_mark,
+    echo_marks,
     half_length,
     half_width,
     handles_of,
@@ -92,7 +93,7 @@ class TargetHandles:
         if simulation is None:
             return
         self._handles = handles_of(simulation, self.chosen)
-        marks = [echo_mark(simulation, handle.place) for handle in self._handles]
+        marks = echo_marks(simulation, [handle.place for handle in self._handles])
         self._waterfall.handles.show(
             [
                 (number, mark, handle.action, handle.target == self.chosen)

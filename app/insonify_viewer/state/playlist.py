@@ -1,6 +1,5 @@
 """Presets of a lecture: scenes with their display on the keys 1 to 9, and the TOML files that hold them."""
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -12,9 +11,8 @@ import tomli_w
 from insonify.display.display_options import DisplayOptions, display_settings, read_display
 from insonify.errors import located
 from insonify.io.atomic import write_text
-from insonify.io.file_access import guarded, read_text
+from insonify.io.file_access import LARGEST_TOML, guarded, parse_toml, read_text
 from insonify.scene import Scene, SceneError, edit, load_scene, scene_from_toml, scene_to_toml
-from insonify.scene.files import LARGEST
 
 KEYS = range(1, 10)
 FIELDS = ("key", "title", "scene", "set", "display")
@@ -46,11 +44,7 @@ def write_playlist(path: Path, presets: Mapping[int, Preset]) -> None:
 def read_playlist(path: Path) -> dict[int, Preset]:
     """Read presets by their keys; a scene is TOML text, a file, or the name of a bundled scene."""
     with guarded(partial(_unreadable, path), "give a readable TOML file"):
-        text = read_text(path, largest=LARGEST)
-    try:
-        entries = tomllib.loads(text).get("preset")
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneError(f"{path.name}: is not valid TOML ({error}); correct that line") from None
+        entries = parse_toml(read_text(path, largest=LARGEST_TOML)).get("preset")
     if not isinstance(entries, list) or not entries or not all(isinstance(entry, dict) for entry in entries):
         raise SceneError(f"{path.name}: has no [[preset]]; add one with scene = a name, a file or the text of a scene")
     found: dict[int, Preset] = {}

@@ -350,11 +350,8 @@ def value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None
     if isinstance(part, PowerTvg):
         depth = scene.seabed.depth - scene.altitude
         return absorption_coefficient(scene.water.absorption, scene.sonar.frequency, depth) * 1e3 / NEPER_PER_DB
-    values = {
-        "altitude": scene.altitude,
-        "depth": scene.seabed.depth - scene.altitude,
-        "reference_speed": known_speed(scene),
-    }
-    if name in values or not isinstance(part, Declaration):
-        return values.get(name)
-    return part.value_in_force(name, scene.sonar.scattering_frequency)
+    if name in ("altitude", "depth"):
+        return scene.altitude if name == "altitude" else scene.seabed.depth - scene.altitude
+    if name == "reference_speed":
+        return known_speed(scene)
+    return part.value_in_force(name, scene.sonar.scattering_frequency) if isinstance(part, Declaration) else None

@@ -1,6 +1,5 @@
 """Opens files of every kind that the window takes: from dialogs, by drops, and from the list of recent ones."""
 
-import contextlib
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -11,14 +10,15 @@ import numpy as np
 from psygnal import Signal
 from PySide6.QtWidgets import QFileDialog
 
+from insonify.commands.info import read_cast_or_navigation
 from insonify.files import bundled_targets
 from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.contacts import is_contacts, read_contacts
 from insonify.io.formats import FormatRegistry
 from insonify.io.meshes import MESHES
-from insonify.io.navigation import NAVIGATION, RecordedNavigation, read_navigation
+from insonify.io.navigation import NAVIGATION, RecordedNavigation
 from insonify.io.records import RECORDS
-from insonify.io.sound_speed_casts import CASTS, Cast, read_cast
+from insonify.io.sound_speed_casts import CASTS, Cast
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, edit, load_scene
 from insonify_viewer.core_types import Ground
 from insonify_viewer.errors import Failure
@@ -88,7 +88,7 @@ class FileOpening:
             self.open_contacts(path)
         elif suffix in (*CASTS.readable(), *NAVIGATION.readable()):
             self._window.say(f"reading {Path(path).name} …")
-            self._simulator.send(lambda: _read_part(path), partial(self._use, path))
+            self._simulator.send(lambda: read_cast_or_navigation(path), partial(self._use, path))
         else:
             self._window.complain(Failure(f"{Path(path).name}: cannot be opened by its suffix; give {TAKES}"))
 
@@ -236,17 +236,6 @@ class FileOpening:
         if removed:
             were = "target was" if removed == 1 else f"{removed} targets were"
             self._window.say(f"bed of {Path(path).name}; the {were} removed with the scene before (Undo restores it)")
-
-
-def _read_part(path: str) -> Cast | RecordedNavigation:
-    """Read a cast, or else navigation; both may be tables in CSV."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in NAVIGATION.readable():
-        return read_cast(path)
-    if suffix in CASTS.readable():
-        with contextlib.suppress(SceneError):
-            return read_cast(path)
-    return read_navigation(path)
 
 
 def scene_over_dem(scene: Scene, path: str) -> Scene:

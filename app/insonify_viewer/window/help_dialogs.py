@@ -23,6 +23,10 @@ from insonify_viewer.widgets.layouts import fill
 _NATIVE = QKeySequence.SequenceFormat.NativeText
 ROOM, HIGH = 60, 640  # px: beside the columns of the list of keys, and its height
 LICENCE = "MIT licence: free to use, change and pass on, without warranty."
+OTHERS = (
+    "It uses Qt by PySide6 (LGPL 3), tqdm and certifi (MPL 2.0), ffmpeg for .mp4 (GPL 3), and packages under BSD, "
+    "MIT and Apache licences; docs/licences.md lists them."
+)
 
 
 class KeysDialog(QDialog):
@@ -77,6 +81,7 @@ def about() -> str:
             *list_versions(),
             "",
             LICENCE,
+            OTHERS,
             "",
             "To cite it:",
             f"The insonify authors. insonify: a side-scan sonar simulator (version {version_of('insonify')}).",

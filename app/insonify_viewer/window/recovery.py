@@ -23,7 +23,7 @@ from insonify_viewer.window.main_window import MainWindow
 Work = TypeVar("Work")
 INTERVAL = 2.0  # s between looks at the work; no more of it is lost, and the time of writing
 PREFIX = "unsaved-"
-SCENE = ".toml"
+SCENE, LOCK = ".toml", ".lock"
 MOST_CONTACTS = 5000  # of the last ones; they are written in 0.2 s
 MOST_PICTURES = 4_000_000  # bytes, of the last contacts; the contacts before them are kept without their pictures
 
@@ -49,7 +49,7 @@ class Recovery:
         self._folder = user_state_path("insonify", appauthor=False) / "recovery"
         self._folder.mkdir(parents=True, exist_ok=True)
         self._stem = self._folder / f"{PREFIX}{os.getpid()}-{os.urandom(4).hex()}"
-        self._lock = _make_lock(str(self._stem.with_suffix(".lock")))
+        self._lock = _make_lock(str(self._stem.with_suffix(LOCK)))
         self._lock.tryLock(0)
         self._scene: Scene | None = None
         self._contacts: tuple[Contact, ...] = ()
@@ -78,17 +78,16 @@ class Recovery:
 
     def find_left(self) -> LeftWork | None:
         """Find the newest work that a process left which runs no more; files that cannot be read are removed."""
+        left: LeftWork | None = None
         with contextlib.suppress(OSError):
-            files = [file for suffix in (SCENE, GEOJSON) for file in self._folder.glob(f"{PREFIX}*{suffix}")]
-            newest = sorted(files, key=lambda file: -file.stat().st_mtime)
+            newest = sorted(self._folder.glob(f"{PREFIX}*"), key=lambda file: -file.stat().st_mtime)
             for stem in dict.fromkeys(file.with_suffix("") for file in newest):
-                lock = _make_lock(str(stem.with_suffix(".lock")))
+                lock = _make_lock(str(stem.with_suffix(LOCK)))
                 if stem == self._stem or not lock.tryLock(0):
                     continue
-                lock.unlock()
-                if (left := _read_left(stem)) is not None:
-                    return left
-        return None
+                lock.unlock()  # which removes its file, also that of a window without unsaved work
+                left = left or _read_left(stem)
+        return left
 
 
 def _bound(contacts: Sequence[Contact]) -> list[Contact]:
@@ -104,7 +103,7 @@ def _bound(contacts: Sequence[Contact]) -> list[Contact]:
 def _read_left(stem: Path) -> LeftWork | None:
     """Read the files of a window; None if none of them can be read."""
     files = [stem.with_suffix(suffix) for suffix in (SCENE, GEOJSON)]
-    changed = max(file.stat().st_mtime for file in files if file.exists())
+    changed = max((file.stat().st_mtime for file in files if file.exists()), default=0.0)
     scene, contacts = _read(files[0], load_scene), _read(files[1], read_contacts)
     return LeftWork(scene, contacts or (), changed, stem) if scene or contacts else None
 

@@ -11,8 +11,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.operating_system import lower_priority
-from insonify.scene import SceneError
-from insonify_viewer.errors import Failure, FaultReport, describe_error, report_fault
+from insonify_viewer.errors import Failure, FaultReport, describe_error
 
 Work = Callable[[], Any]
 Receive = Callable[[Any], None]
@@ -40,8 +39,7 @@ class Executor(QObject):
 
     def submit(self, key: str, work: Work, receive: Receive) -> None:
         """Run work on the thread of a key and pass its result to the main thread, or None where it raises."""
-        # A `SceneError` is dropped, because the simulator reports it too; any other exception is reported, a repeated
-        # one once.
+        # What it raises is reported, a repeated exception once.
         if key not in self._lanes:
             self._lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
         self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
@@ -77,11 +75,10 @@ class Executor(QObject):
 
     def _take(self, key: str, receive: Receive, result: Any, error: Exception | None) -> None:
         """Pass a result on, then report an error that is news for the key."""
-        receive(result)
-        if error is None:
-            self._faults[key].forget()
-        elif not isinstance(error, SceneError) and self._faults[key].is_news(error):
-            report_fault(error)
+        try:
+            receive(result)
+        finally:  # the error may be why there is nothing to receive
+            self._faults[key].report(error)
 
     def _call(self, receive: Receive, result: Any) -> None:
         if not self._closing:  # a result may still be queued when the window closes

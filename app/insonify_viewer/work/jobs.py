@@ -120,6 +120,9 @@ class BackgroundJob(ABC):
         self.state, self.sentence, self.trace = state, sentence, trace
         self.changed.emit(self)
 
+    def _fail(self, failure: Failure) -> None:
+        self._finish(State.FAILED, failure.sentence, failure.trace)
+
 
 class CommandJob(BackgroundJob):
     """A command of ``insonify``, run as from a shell; the results are the same to the bit."""
@@ -168,13 +171,17 @@ class CommandJob(BackgroundJob):
         assert process.stderr is not None
         assert process.stdout is not None
         others: deque[str] = deque(maxlen=LINES)
-        with process:
-            for line in process.stderr:
-                if stage := _stage_of(line):
-                    self._call_later(self._advance, stage)
-                else:
-                    others.append(line)
-            said = process.stdout.read().strip()
+        try:
+            with process:
+                for line in process.stderr:
+                    if stage := _stage_of(line):
+                        self._call_later(self._advance, stage)
+                    else:
+                        others.append(line)
+                said = process.stdout.read().strip()
+        except Exception as error:  # an exception that ends the thread would leave the window waiting
+            self._call_later(self._fail, describe_error(error, f"the {self.title}"))
+            return
         self._call_later(self._end, (process.returncode, said.rpartition("\n")[2], list(others)))
 
     def _end(self, outcome: tuple[int, str, list[str]]) -> None:
@@ -197,7 +204,7 @@ def _stage_of(line: str) -> Stage | None:
     try:
         found = json.loads(line)
         return Stage(str(found["doing"]), float(found["done"]), float(found["total"]), str(found["unit"]))
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, OverflowError):
         return None
 
 
@@ -254,9 +261,6 @@ class ThreadJob(BackgroundJob):
     def _take(self, value: Any) -> None:
         self.value = value
         self._finish(State.DONE, f"{self.title} is finished")
-
-    def _fail(self, failure: Failure) -> None:
-        self._finish(State.FAILED, failure.sentence, failure.trace)
 
 
 class JobList:

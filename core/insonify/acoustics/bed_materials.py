@@ -58,12 +58,21 @@ def describe_materials(scene: Scene) -> Iterator[str]:
 def describe_limits(scene: Scene) -> Iterator[str]:
     """Describe in a sentence each way in which a scene leaves the range of the backscatter model."""
     frequency = scene.sonar.scattering_frequency
-    if frequency is None or all(one.model is None for one in scene.seabed.material.materials):
+    models = [one.model for one in scene.seabed.material.materials if one.model is not None]
+    if frequency is None or not models:
         return
-    if not LEAST_FREQUENCY <= frequency <= MOST_FREQUENCY:
+    nearest = min(max(frequency, LEAST_FREQUENCY), MOST_FREQUENCY)
+    if frequency != nearest:
+        angle = np.radians(GRAZING[:4])  # nearer to nadir facets rule, which do not depend on grains
+        ratios = [model_strength(one, frequency, angle) / model_strength(one, nearest, angle) for one in models]
+        changes = 10.0 * np.log10(ratios)
+        beyond = "layers and buried objects add to it"
+        if frequency > nearest:
+            # Of grains small against the wavelength, as Rayleigh's law has it; larger ones gain less.
+            beyond = f"grains may add up to {40.0 * math.log10(frequency / nearest) - changes.min():.1f} dB"
         yield (
             f"{frequency / 1e3:g} kHz is outside the range of the backscatter model, {LEAST_FREQUENCY / 1e3:g} to "
-            f"{MOST_FREQUENCY / 1e3:g} kHz"
+            f"{MOST_FREQUENCY / 1e3:g} kHz: extrapolated by {changes.flat[np.abs(changes).argmax()]:+.1f} dB, {beyond}"
         )
     grazing = math.asin(min(scene.altitude / scene.sonar.range, 1.0))
     if grazing < LEAST_GRAZING:

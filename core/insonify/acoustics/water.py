@@ -106,10 +106,14 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
 
 
 def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
-    """Sound speed field cut at two depths, with points there."""
+    """Sound speed field cut at two depths, with points there; a section at the points that enclose them."""
+    if layers.distance.size > 1:
+        # A point within a cell would move the diagonals of its triangles, and with them the speed everywhere in it.
+        above, below = layers.depth[layers.depth <= top], layers.depth[layers.depth >= bottom]
+        top, bottom = above[-1] if above.size else top, below[0] if below.size else bottom
     within = layers.depth[(layers.depth > top) & (layers.depth < bottom)]
     ends = [depth for depth in (top, bottom) if layers.depth[0] <= depth <= layers.depth[-1]]
-    depth = np.sort(np.concatenate([within, ends]))
+    depth = np.unique(np.concatenate([within, ends]))
     if depth.size == 0:
         # All points lie outside: the sound speed of the nearer end applies.
         depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
@@ -119,16 +123,17 @@ def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
 
 def bound_straight_rays(scene: Scene) -> float:
     """Bound on the error of straight rays at the farthest echo: shift in bins or change of level, whichever is more."""
-    layers, reference = make_sound_speed_field(scene.water), speed_at_sonar(scene)
+    # A measured bed may lie at any depth.
+    bed, reach = scene.seabed.depth, scene.sonar.range
+    lowest = math.inf if scene.seabed.relief.measured else bed
+    layers, reference = _cut(make_sound_speed_field(scene.water), 0.0, lowest), speed_at_sonar(scene)
     if (layers.speed == layers.speed[0, 0]).all():
         return 0.0
-    bed, reach = scene.seabed.depth, scene.sonar.range
     sonar = bed - scene.altitude if scene.track.depth is None else scene.track.depth
     way = layers.speed_at(*scene.track.start, np.linspace(sonar, bed, DEPTHS))
     sine = min(abs(bed - sonar) / reach, 1.0)
     per_speed = 4.0 * (1.0 - sine**2) / max(sine, 1e-3) ** 2 / reference
-    # As if all water differed from that at the sonar by the maximum; a measured bed may lie at any depth.
-    within = layers.depth < (math.inf if scene.seabed.relief.measured else bed)
-    unlike = max(abs(layers.speed[:, within] - reference).max(initial=0.0), abs(way - reference).max())
+    # As if all water differed from that at the sonar by the maximum.
+    unlike = max(abs(layers.speed - reference).max(), abs(way - reference).max())
     bin_length = reach / scene.sonar.bins
     return float(unlike) * max(reach / reference / bin_length, per_speed)

@@ -12,6 +12,7 @@ OWN = {
     "compare": "draw two records side by side, with histograms and spectra",
     "dataset": "make a labelled data set by its specification",
     "explain": "explain one pixel of a scene's record",
+    "info": "describe measured casts and recorded navigation",
     "learn": "estimate a scene from a recording",
     "lesson": "list the lessons of the viewer, or check lessons",
     "light": "draw a scene as light shows it, with the lamp at the sonar",

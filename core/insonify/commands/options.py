@@ -9,6 +9,7 @@ from itertools import chain, count, repeat
 from pathlib import Path
 from typing import Any, TypeVar
 
+from insonify.errors import is_count
 from insonify.files import bundled_specifications
 from insonify.io.atomic import NEW, temporary_path
 from insonify.io.records import RECORDS
@@ -232,7 +233,7 @@ def say(*lines: str) -> None:
 
 
 def _count(text: str) -> int:
-    if not (text.isdecimal() and int(text) > 0):
+    if not (is_count(text) and int(text) > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads; give a whole number from 1")
     return int(text)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from insonify.commands import options
 from insonify.display.display_options import PALETTES, SIDES, DisplayOptions, read_display
+from insonify.io.record_schema import split_record
 from insonify.io.records import RECORDS, read_record, write_record
 from insonify.progress import report_waiting
 from insonify.scene import Scene, SceneError
@@ -121,7 +122,7 @@ def _render_record(
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
     record = read_record(arguments.scene, arguments.frequency)
     if not _is_picture(path):
-        write_record(path, [record], **choices)
+        write_record(path, (record.isel(ping_time=some) for some in split_record(record)), **choices)
     else:
         # lazy: the other commands need neither Matplotlib nor the kernels
         from insonify.display.page import caption_record, write_page

@@ -7,13 +7,13 @@ uniform bed looks uniform and the rest stands out.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.array_cache import keep_arrays
-from insonify.arrays import Floats, Integers, Reals, Singles
+from insonify.arrays import Echoes, Floats, Integers, Reals, Singles
 from insonify.kernels.display.rows import ROWS_A_THREAD, relate_amplitudes
 from insonify.parallel import in_parallel
 from insonify.tow.poses import interpolate_bed_beneath
@@ -77,27 +77,45 @@ def extend_to_water_column(curve: Floats) -> Floats:
     return filled
 
 
-def estimate_median_curve(intensity: Singles, altitude: Floats, bin_length: float) -> Floats:
-    """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised."""
-    # It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
-    # angle as the altitude changes.
+class MedianCurve(NamedTuple):
+    """Curve by which a picture of a recording of unknown sonar and bed is normalised."""
+
+    level: Floats | None  # (bins,) intensities of a bed under a vertical ray; None of a record without echoes
+    slant_range: Floats  # (bins,) in metres
+
+    def at(self, altitude: Floats) -> Floats:
+        """Curves of pings at some altitudes above the bed in metres, (pings, bins)."""
+        if self.level is None:
+            return np.ones((altitude.size, self.slant_range.size))
+        return self.level * _sine(altitude, self.slant_range) ** 2
+
+
+def estimate_median_curve(intensity: Echoes, altitude: Floats, bin_length: float) -> MedianCurve:
+    """Estimate the curve of a recording, (2, pings, bins), from its median at every slant range."""
+    # Lambert's law removes the effect of the grazing angle as the altitude changes.
     some = slice(None, None, intensity.shape[1] // _PINGS + 1)
     r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
-    sine = np.clip(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, _FLATTEST, 1.0)
-    # At shorter range an error of the altimeter would count water as bed.
-    below = r >= _FIRST * altitude[some, None]
-    upright = np.where(below, intensity[:, some] / sine[some] ** 2, 0.0).reshape(-1, len(r))
-    parts = (slice(first, first + _TOGETHER) for first in range(0, len(r), _TOGETHER))
-    curve = np.concatenate([_middles(upright[:, part]) for part in parts])
+    echoes, height = np.asarray(intensity[:, some]), altitude[some]
+    curve = np.empty(len(r))
+    for first in range(0, len(r), _TOGETHER):
+        part = slice(first, first + _TOGETHER)
+        # At shorter range an error of the altimeter would count water as bed.
+        below = r[part] >= _FIRST * height[:, None]
+        upright = np.where(below, echoes[:, :, part] / _sine(height, r[part]) ** 2, 0.0)
+        curve[part] = _middles(upright.reshape(-1, upright.shape[-1]))
     known = np.flatnonzero(curve > 0.0)
     if known.size == 0:
-        return np.ones((len(altitude), 1, len(r)))
+        return MedianCurve(None, r)
     logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
     from scipy.ndimage import gaussian_filter1d, median_filter  # lazy: only recordings need SciPy
 
     steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # removes marks that recorders put at the edges
-    smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
-    return (smooth * sine**2)[:, None, :]
+    return MedianCurve(np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH)), r)
+
+
+def _sine(altitude: Floats, slant_range: Floats) -> Floats:
+    """Sine of the grazing angle on a level bed, (pings, bins); 1 where the altitude is not known."""
+    return np.clip(np.where(altitude > 0.0, altitude, np.inf)[:, None] / slant_range, _FLATTEST, 1.0)
 
 
 def _middles(echoes: Reals) -> Floats:

@@ -8,9 +8,10 @@ import numpy as np
 
 from insonify.arrays import Dataset, Floats, Integers, Singles
 from insonify.display.display_options import DisplayOptions, side_factors
-from insonify.display.normalisation import estimate_median_curve, normalise
+from insonify.display.normalisation import MedianCurve, estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
 from insonify.display.range_axis import RangeAxis, choose_kind, make_range_axis
+from insonify.io.record_schema import read_echoes, split_record
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
@@ -43,17 +44,6 @@ class SheetPings(NamedTuple):
     bin_length: float  # slant range of a bin, in metres
 
 
-def take_sheet_pings(record: Dataset) -> SheetPings:
-    """Take the data of a record that a picture shows."""
-    return SheetPings(
-        record["intensity"].transpose("ping_time", "channel", "range_sample").values,
-        record["platform_x"].values,
-        record["platform_y"].values,
-        find_altitude(record),
-        _bin_length(record),
-    )
-
-
 def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
     """Trace the record of a simulation block by block and yield the data that a picture shows."""
     sonar = simulation.scene.sonar
@@ -65,16 +55,18 @@ def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
         yield SheetPings(intensity, x, y, known, bin_length)
 
 
-def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, look: DisplayOptions) -> RecordSheet:
-    """Collect blocks of a record in a sheet."""
+def gather_sheet(
+    blocks: Iterable[SheetPings], relative: Relative, pings: int, look: DisplayOptions, lowest: float | None = None
+) -> RecordSheet:
+    """Collect blocks of a record in a sheet, as wide as the lowest ping receives: of the first block if not given."""
     columns = WIDTH[look.side]
-    together = math.ceil(pings / MOST_ROWS)  # pings that share a row
+    together = _pings_a_row(pings)
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
     done, axis, per_side = 0, None, columns // 2 if look.side == "both" else columns
     track = [np.empty((3, 0))]  # x, y and altitude of successive pings
     for block in blocks:
-        axis = axis or _axis(block, look)
+        axis = axis or _axis(block, float(block.altitude.min()) if lowest is None else lowest, look)
         numbers = np.arange(done, done + len(block.intensity))
         row = (numbers // together)[::-1]  # the oldest ping is in the last one
         starts = np.flatnonzero(np.diff(row, prepend=row[0] + 1))
@@ -98,14 +90,34 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
 
 
 def gather_record_sheet(record: Dataset, look: DisplayOptions) -> RecordSheet:
-    """Make a sheet of a whole record relative to its own median at every range."""
-    own, pings = compute_median_curve(record), record.sizes["ping_time"]
-    return gather_sheet([take_sheet_pings(record)], lambda block, some: normalise(block, own[some]), pings, look)
+    """Make a sheet of a whole record relative to its own median at every range, block by block."""
+    pings, altitude, bin_length = record.sizes["ping_time"], find_altitude(record), _bin_length(record)
+    x, y = record["platform_x"].values, record["platform_y"].values
+    curve = find_median_curve(record, altitude)
+    blocks = (
+        SheetPings(read_echoes(record, some), x[some], y[some], altitude[some], bin_length)
+        for some in split_record(record, _pings_a_row(pings))  # a row is added up in one block
+    )
+
+    def relative(echoes: Singles, some: Integers) -> Singles:
+        return normalise(echoes, curve.at(np.nan_to_num(altitude[some]))[:, None])
+
+    return gather_sheet(blocks, relative, pings, look, float(altitude.min()))
+
+
+def _pings_a_row(pings: int) -> int:
+    return math.ceil(pings / MOST_ROWS)
+
+
+def find_median_curve(record: Dataset, altitude: Floats | None = None) -> MedianCurve:
+    """Estimate the median curve of a record; its altitude is that of `find_altitude` if not given."""
+    known = find_altitude(record) if altitude is None else altitude
+    return estimate_median_curve(record.variables["intensity"], np.nan_to_num(known), _bin_length(record))
 
 
 def compute_median_curve(record: Dataset) -> Floats:
-    """Compute the median curve of a record, (pings, 1, bins) float64, see `estimate_median_curve`."""
-    return estimate_median_curve(record["intensity"].values, fill_altitude(record), _bin_length(record))
+    """Compute the median curve of every ping of a record, (pings, 1, bins), see `find_median_curve`."""
+    return find_median_curve(record).at(fill_altitude(record))[:, None]
 
 
 def resample_rows(rows: Singles, height: int) -> Singles:
@@ -114,10 +126,10 @@ def resample_rows(rows: Singles, height: int) -> Singles:
     return average_columns(np.ascontiguousarray(rows.T), edges).T
 
 
-def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
-    """Distance across the picture, to the farthest that the lowest ping of the first block receives."""
+def _axis(block: SheetPings, lowest: float, look: DisplayOptions) -> RangeAxis:
+    """Distance across the picture, to the farthest that a ping at the lowest altitude receives."""
     kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
-    bins, lowest = block.intensity.shape[-1], float(block.altitude.min())
+    bins = block.intensity.shape[-1]
     axis = make_range_axis(kind, bins, block.bin_length, lowest)
     if axis is not None:
         return axis

@@ -45,7 +45,7 @@ def fit_level_curve(intensity: Singles, altitude: Floats, bin_length: float, *, 
     """Fit the level of a record: its median at every slant range, and its dependence on the grazing angle."""
     r = np.asarray((np.arange(intensity.shape[2]) + 0.5) * bin_length)
     lowest = int(np.argmin(altitude))
-    median = estimate_median_curve(intensity, altitude, bin_length)[lowest, 0]
+    median = estimate_median_curve(intensity, altitude, bin_length).at(altitude[[lowest]])[0]
     upright = median / _sine(altitude[[lowest]], r)[0] ** 2
     plain = LevelCurve(10.0 * np.log10(np.maximum(upright, 1e-300)), np.array([0.0, 90.0]), np.zeros(2))
     if not separate or altitude.max() < RISE * altitude.min():

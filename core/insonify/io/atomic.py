@@ -10,24 +10,26 @@ import re
 import secrets
 import shutil
 import signal
+import stat
 import sys
 import tempfile
 import threading
 import time
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
+from insonify.io.file_access import FileFault, open_regular
 from insonify.io.object_store import in_store, uploading
 from insonify.operating_system import interrupt_main_thread, lock_file
 
 UNFINISHED = "unfinished"  # in the name of the folder of incomplete files
 NEW, FORMER = "new", "former"  # stems of the content there, and of a folder while it is being replaced
 LONGEST_NAME = 255  # bytes
+MOST_LINKS = 40  # from one to the next, as on Linux
 # Sent by schedulers when time is up, by a terminal that is closed, by Ctrl-\, and by Ctrl-Break on Windows.
 REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK") if hasattr(signal, name)]
 # Errors that say what is wrong. HDF5 gives none for anything, and permissions for a file that it cannot begin.
@@ -78,10 +80,10 @@ def is_leased(folder: Path) -> bool:
     """Whether the owner of a folder, or of a file that an earlier version left, may still be at work."""
     path = folder / LEASE
     try:
-        with open(path, "rb") as file:
+        with open_regular(path) as file:  # anybody may have put a pipe there
             free = lock_file(file, exclusive=False)
             owner = file.read(len(kernel()) + 1).decode(errors="replace")
-    except OSError:
+    except (OSError, FileFault):
         free, owner, path = None, "", folder
     if free is False:
         return True
@@ -119,11 +121,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
         with uploading(path) as beside:
             yield beside
         return
-    final = Path(path)
-    # A link is followed, so that the file it points to is replaced, not the link.
-    final = final.resolve() if final.is_symlink() else final
-    folder = final
+    final = folder = Path(path)
     try:
+        final = _follow_links(final)
         with unfinished_folder(final) as folder, terminated_cleanly(), _full_disk_named(final.parent):
             beside = folder / f"{NEW}{final.suffix}"
             yield beside
@@ -136,6 +136,20 @@ def replacing(path: str | Path) -> Iterator[Path]:
             raise
         # HDF5 and GDAL take paths as UTF-8, whatever the bytes of a name on disk.
         raise OSError(errno.EILSEQ, "this format needs a path in UTF-8", str(path)) from error
+
+
+def _follow_links(path: Path) -> Path:
+    """Return what a link leads to, so that this is replaced, not the link; raise OSError for a link of a stranger."""
+    # As Linux does it unless that is switched off: where everybody may put a link, one counts if it belongs to this
+    # user or to the owner of the folder. Another would choose which file of this user is replaced.
+    for _ in range(MOST_LINKS):
+        if not path.is_symlink():
+            return path
+        folder = path.parent.stat()
+        if folder.st_mode & stat.S_IWOTH and path.lstat().st_uid not in (_user(), folder.st_uid):
+            raise OSError(errno.EACCES, "is a link that another user has put into a shared folder")
+        path = path.parent / os.readlink(path)
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -252,10 +266,10 @@ def clear_leftovers(final: Path) -> None:
         if is_leased(left.path):
             other = f"process {left.process}" + f" of {left.host}" * (left.host != _host())
             text = f"{final}: {other} is writing it as well; the last to finish replaces the other"
-            warnings.warn(FileWarning(text), stacklevel=6)
+            warn_caller(FileWarning(text))
         elif not _is_own(left.path):
             text = f"{final}: {left.path.name} beside it was left by another user; remove it if it is stale"
-            warnings.warn(FileWarning(text), stacklevel=6)
+            warn_caller(FileWarning(text))
         else:
             if not final.exists() and _former(left.path, final).exists():
                 _former(left.path, final).rename(final)
@@ -288,8 +302,12 @@ def _host() -> str:
     return re.sub(r"\W", "_", platform.node(), flags=re.ASCII)[:32] or "unknown"
 
 
+def _user() -> int:
+    return os.getuid() if hasattr(os, "getuid") else 0  # which is everybody's number on Windows
+
+
 def _is_own(path: Path) -> bool:
     try:
-        return not hasattr(os, "getuid") or path.lstat().st_uid == os.getuid()
+        return path.lstat().st_uid == _user()
     except FileNotFoundError:  # removed meanwhile
         return True

@@ -11,12 +11,14 @@ from typing import Any
 
 from insonify.errors import SceneError, plain_text
 from insonify.io.atomic import write_text
+from insonify.io.file_access import FileFault, guarded, open_regular, read_text
 
 GEOJSON, CSV = ".geojson", ".csv"
 FORMATS = (("Contacts with snapshots (GeoJSON)", GEOJSON), ("Table of contacts (CSV)", CSV))
 SIDES = ("port", "starboard")
 CONFIDENCES = ("", "low", "medium", "high")  # that the contact is what its class says; empty where it is open
-HEADER = 10_000  # characters, of the longest line of names
+LARGEST = 2**27  # bytes of a file: ten thousand contacts with snapshots
+HEADER = 10_000  # bytes, of the longest line of names
 GREATEST = 2**31 - 1  # of any number
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "'")  # with which a spreadsheet takes a cell as more than text
 TEXTS = ("name", "note", "source", "classification", "confidence")
@@ -46,6 +48,11 @@ class Contact:
     height: float | None = None  # above the bed, from the length of the shadow
     confidence: str = ""  # one of `CONFIDENCES`
     snapshot: bytes = b""  # picture around it as PNG; empty if there is none
+
+    def __post_init__(self) -> None:
+        """Replace what no file in UTF-8 takes: half a character, or bytes of a file name that are none."""
+        for name in (*TEXTS, "side"):
+            object.__setattr__(self, name, getattr(self, name).encode(errors="replace").decode())
 
 
 COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
@@ -79,23 +86,22 @@ def is_contacts(path: str) -> bool:
     if suffix != CSV:
         return suffix == GEOJSON
     try:
-        with Path(path).open(encoding="utf-8-sig", errors="replace", newline="") as file:
-            names = file.readline(HEADER).strip().split(",")
-    except OSError:
+        with open_regular(path) as file:
+            names = file.readline(HEADER).decode("utf-8-sig", errors="replace").strip().split(",")
+    except (OSError, FileFault):
         return False
     return {*WHOLE, "side", "slant_range"} <= set(names)
 
 
 def read_contacts(path: Path) -> tuple[Contact, ...]:
     """Read contacts by the suffix of a file."""
+    with guarded(lambda *fault: SceneError(f"{path.name}: {'; '.join(fault)}"), "choose a file of contacts saved here"):
+        text = read_text(path, largest=LARGEST)
     try:
-        text = path.read_text(encoding="utf-8-sig")
         if path.suffix.lower() == CSV:
             rows = _rows_of_csv(text)
         else:
             rows = [dict(feature["properties"]) for feature in json.loads(text)["features"]]
-    except OSError as error:
-        raise SceneError(f"{path.name}: cannot be read ({error.strerror}); choose another file") from error
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError, csv.Error) as error:
         raise SceneError(f"{path.name}: is not a file of contacts; choose a GeoJSON or CSV file saved here") from error
     return tuple(_contact(path, number, row) for number, row in enumerate(rows, start=1))

@@ -1,25 +1,37 @@
 """Access to files of unknown origin: regular files only, bounded sizes, errors of libraries in one sentence."""
 
+import codecs
 import difflib
 import errno
 import glob
 import logging
 import os
+import re
 import stat
 import threading
+import tomllib
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO, cast
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.operating_system import call_after_fork
 
 LEAST_EXPANSION = 2**28  # bytes that any file may expand to
 EXPANSION = 64  # and its own bytes times this, which is more than measurements are compressed
 LARGEST_TEXT = 2**28  # bytes of a text file
 MISSING = "does not exist"
+LARGEST_TOML = 2**22  # bytes of a TOML file: 20,000 targets
+MOST_PARTS, LONGEST_KEY = 100, 1000  # parts of a dotted key, for which a parser takes quadratic time; characters of one
+MOST_BITS = 1000  # of a whole number; a float takes no more
+# Text up to a key of more parts: strings over several lines, comments, keys and values, and what is between them.
+_PART, _DOT = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"?+|'[^'\n]*+'?+)""", r"[ \t]*+\.[ \t]*+"
+_SHORT_KEYS = re.compile(
+    rf'''(?:"""(?:[^"\\]|\\[\s\S]|"{{1,2}}+(?!"))*+"*+|\'{{3}}(?:[^']|'{{1,2}}+(?!'))*+'*+|\#[^\n]*+'''
+    rf"|{_PART}(?:{_DOT}{_PART}){{0,{MOST_PARTS - 1}}}+(?!{_DOT}{_PART})|[^\w\"'#-]++)*+"
+)
 _lock = threading.RLock()
 # A logger without a handler writes to standard error.
 for _library in ("trimesh", "rasterio", "PIL", "fiona", "matplotlib"):
@@ -32,6 +44,13 @@ class FileFault(Exception):
     def __init__(self, fault: str, remedy: str) -> None:
         super().__init__(fault, remedy)
         self.fault, self.remedy = fault, remedy
+
+    def __str__(self) -> str:
+        return f"{self.fault}; {self.remedy}"
+
+
+_TOO_DEEP = FileFault("is nested too deeply", "write fewer tables in tables")
+_TOO_LARGE = FileFault("has a whole number of hundreds of digits", "write a smaller one")
 
 
 @contextmanager
@@ -50,7 +69,13 @@ def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[
     except Exception as error:  # libraries raise errors of many types
         raise refusal(f"cannot be read ({reason(error)})", remedy) from error
     for warning in caught:  # those of libraries are left out
-        warnings.warn(warning.message, stacklevel=4)
+        warn_caller(cast("Warning", warning.message))
+
+
+def warn_of_file(path: str, remarks: Iterable[str]) -> None:
+    """Warn of what is doubtful in a file that is used, in one line."""
+    if sentence := "; ".join(remarks):
+        warn_caller(FileWarning(f"{path}: {sentence}"))
 
 
 def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collection[str], largest: int) -> str:
@@ -113,7 +138,39 @@ def read_text(path: str | Path, encoding: str = "utf-8-sig", largest: int = LARG
         content = file.read(largest + 1)
     if len(content) > largest:
         raise FileFault(f"is a text of more than {largest // 10**6} MB", "thin it")
-    return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+    if content[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):  # as some programs on Windows export tables
+        encoding = "utf-16"
+    return content.removeprefix(codecs.BOM_UTF8).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Parse TOML text; raises FileFault for what is not valid, and for what would take too long or cannot be shown."""
+    if len(text) > LARGEST_TOML:
+        raise FileFault(f"is a text of more than {LARGEST_TOML // 2**20} MB", "thin it")
+    if (short := _SHORT_KEYS.match(text)) and short.end() < len(text):
+        raise FileFault(f"has a key of more than {MOST_PARTS} parts", "write fewer tables in tables")
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FileFault(f"is not valid TOML ({error})", "correct that line") from None
+    except RecursionError:
+        raise _TOO_DEEP from None
+    except ValueError:  # `int` takes no more than some thousand digits
+        raise _TOO_LARGE from None
+    pending: list[tuple[Any, int]] = [(values, 0)]
+    while pending:
+        value, depth = pending.pop()
+        if isinstance(value, (dict, list)) and depth > MOST_PARTS:
+            raise _TOO_DEEP
+        if isinstance(value, dict):
+            if longest := next((key for key in value if len(key) > LONGEST_KEY), ""):
+                raise FileFault(f"has a key of {len(longest)} characters, '{longest[:20]}…'", "shorten it")
+            pending += [(child, depth + 1) for child in value.values()]
+        elif isinstance(value, list):
+            pending += [(child, depth + 1) for child in value]
+        elif isinstance(value, int) and value.bit_length() > MOST_BITS:
+            raise _TOO_LARGE
+    return values
 
 
 def largest_expansion(path: str | Path) -> int:

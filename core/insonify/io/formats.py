@@ -64,7 +64,7 @@ class FormatRegistry(Generic[Content]):
         """Return all formats; where two share a suffix the first counts."""
         if self._formats is None:
             holders = extensions(self.package, self.group)
-            found = [each for holder in holders for each in (holder, *vars(holder).values())]
+            found = [each for holder in holders for each in (holder, *getattr(holder, "__dict__", {}).values())]
             self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
         return self._formats
 

@@ -9,6 +9,8 @@ from insonify.arrays import Bytes, Singles
 from insonify.io.atomic import replacing
 
 BLOCK = 256  # cells of a tile's side
+ROWS = 4 * BLOCK  # that are written at a time
+CACHE = 64  # MB, of GDAL; a share of the machine's memory otherwise
 
 
 def write_geotiff(
@@ -17,6 +19,7 @@ def write_geotiff(
     """Write a grid with NaN as its value for no data."""
     # lazy: GDAL takes a fifth of a second to load
     import rasterio
+    import rasterio.windows
 
     rows, columns = values.shape
     profile = {
@@ -25,8 +28,11 @@ def write_geotiff(
         "compress": "deflate", "predictor": 3, "tiled": True, "blockxsize": BLOCK, "blockysize": BLOCK,
         "bigtiff": "if_safer",
     }  # fmt: skip
-    with replacing(path) as beside, rasterio.open(beside, "w", **profile) as file:
-        file.write(values, 1)
+    limited = rasterio.Env(GDAL_CACHEMAX=CACHE)
+    with limited, replacing(path) as beside, rasterio.open(beside, "w", **profile) as file:
+        for first in range(0, rows, ROWS):  # a copy of the whole would double the memory
+            part = values[first : first + ROWS]
+            file.write(np.ascontiguousarray(part), 1, window=rasterio.windows.Window(0, first, columns, len(part)))
         file.set_band_description(1, band)
         file.units = (unit,)
 

@@ -1,7 +1,7 @@
 """Readers run in a process of their own, which may be killed: limits of time and memory, and no harm from a crash.
 
-GDAL, netCDF and trimesh read formats of great complexity. A damaged file can make them crash, loop, allocate without
-bound, or write to the terminal past Python.
+GDAL and netCDF read formats of great complexity, and meshes may be huge. A damaged file can make a reader crash, loop,
+allocate without bound, or write to the terminal past Python.
 """
 
 import atexit
@@ -26,7 +26,7 @@ IDLE = 60.0  # s without a request after which the process ends
 # GDAL also reads files beside a raster, in any format. These formats may name other files, call a server or run code.
 SKIPPED = (
     "VRT DERIVED GTI STACTA STACIT WMS WCS WMTS HTTP OGCAPI DAAS EEDA EEDAI PLMOSAIC NGW RDA JPIPKAK CAD WFS OAPIF "
-    "Rasterlite GeoRaster PostGISRaster TileDB Zarr SENTINEL2 S102 S104 S111 PDF netCDF HDF4 HDF4Image"
+    "Rasterlite GeoRaster PostGISRaster TileDB Zarr SENTINEL2 S104 S111 PDF netCDF HDF4 HDF4Image"
 )
 SETTINGS = {"GDAL_SKIP": SKIPPED, "GDAL_VRT_ENABLE_PYTHON": "NO", "GDAL_DRIVER_PATH": "disable"} | dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"

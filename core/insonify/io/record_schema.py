@@ -1,12 +1,12 @@
 """Schema of a record as a Dataset: names, units and meanings, for simulations and recordings alike."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Dataset, Floats, Reals, Singles
+from insonify.arrays import Dataset, Floats, Integers, Reals, Singles
 from insonify.io.georeference import Georeference, to_degrees
 
 CHANNELS = ("port", "starboard")
@@ -25,6 +25,7 @@ GEOGRAPHIC = {
     "platform_longitude": {"units": "degrees_east", "standard_name": "longitude", "long_name": "longitude on WGS 84"},
     "platform_latitude": {"units": "degrees_north", "standard_name": "latitude", "long_name": "latitude on WGS 84"},
 }
+TOGETHER = 2**20  # echoes of a block of pings
 TARGET = "target"  # dimension of the variables of targets
 BOUNDS = ("first_ping", "last_ping", "first_bin", "last_bin")
 BOX = (TARGET, "channel", "bound")
@@ -85,6 +86,18 @@ def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     )
     whole = {name: blocks[-1][name] for name in TARGET_TRUTH if name in joined}
     return joined.assign(whole).assign_attrs(blocks[-1].attrs)
+
+
+def split_record(record: Dataset, multiple: int = 1, together: int | None = None) -> Iterator[slice]:
+    """Yield the pings of a record in blocks that fit in memory, each but the last a multiple of some pings."""
+    pings, echoes = record.sizes["ping_time"], len(CHANNELS) * record.sizes["range_sample"]
+    block = multiple * max((together or TOGETHER) // (multiple * echoes), 1)
+    return (slice(first, min(first + block, pings)) for first in range(0, pings, block))
+
+
+def read_echoes(record: Dataset, pings: slice | Integers) -> Singles:
+    """Intensities of some pings, (n, 2, bins); port first."""
+    return np.moveaxis(np.asarray(record.variables["intensity"][:, pings]), 0, 1)
 
 
 def echo_variable(intensity: Singles) -> dict[str, Any]:

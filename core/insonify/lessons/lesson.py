@@ -2,7 +2,6 @@
 
 import json
 import re
-import tomllib
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -11,7 +10,7 @@ from pydantic import Field, ValidationError, field_validator
 from insonify.display.display_options import read_display
 from insonify.errors import SceneError, plain_text
 from insonify.files import bundled_lessons
-from insonify.io.file_access import read_named
+from insonify.io.file_access import FileFault, parse_toml, read_named
 from insonify.lessons.conditions import Condition, parse_condition
 from insonify.lessons.questions import Ask
 from insonify.scene.base import Declaration
@@ -127,9 +126,9 @@ def _step(title: str, body: str, where: str) -> Step:
 def _declared(kind: type[Head], toml: str, where: str) -> Head:
     """Validate a block of TOML."""
     try:
-        values: dict[str, Any] = tomllib.loads(toml)
+        values: dict[str, Any] = parse_toml(toml)
         return kind.model_validate(values)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneError(f"{where}: its TOML is not valid ({error}); correct that line") from None
+    except FileFault as fault:
+        raise SceneError(f"{where}: its TOML {fault}") from None
     except ValidationError as error:
         raise SceneError(f"{where}: {describe_fault(error, kind)}") from None

@@ -1,5 +1,6 @@
 """Questions that a step asks first: choices or a number, and the verdict on an answer."""
 
+import hashlib
 import re
 from dataclasses import dataclass
 from enum import Enum
@@ -52,6 +53,8 @@ class Ask(Declaration):
             raise ValueError("needs exactly one right choice among two to four; mark it by right = true")
         if self.choices and len(self.choices) < 2:
             raise ValueError("has one choice; give two to four")
+        if len({choice.text for choice in self.choices}) < len(self.choices):
+            raise ValueError("has two choices of the same text; word them differently")
         for choice in self.choices:
             if not (choice.right or choice.because):
                 raise ValueError(f"choice {choice.text!r} is wrong without a reason; name the misconception by because")
@@ -91,6 +94,15 @@ class Verdict:
             Grade.UNKNOWN: f"It is {self.right}.",
         }[self.grade]
         return f"{start} {self.because}".strip()
+
+
+def order_choices(question: str, ask: Ask, run: str) -> list[int]:
+    """Places of the choices in the order of the screen: the same within a run, unlike that of other runs."""
+
+    def order(place: int) -> bytes:
+        return hashlib.sha256("\0".join([run, question, ask.choices[place].text]).encode()).digest()
+
+    return sorted(range(len(ask.choices)), key=order)
 
 
 def read_number(text: str) -> float | None:

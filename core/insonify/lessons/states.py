@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any, Self
 
-from insonify.errors import SceneError, located
+from insonify.errors import SceneError, is_count, located
 from insonify.files import bundled_scenes
 from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
@@ -84,7 +84,7 @@ def field_value(scene: Scene, path: str) -> Value | None:
     for step in path.split("."):
         fields.append((place, step))
         if isinstance(place, tuple):
-            place = place[int(step)] if step.isdecimal() and int(step) < len(place) else None
+            place = place[int(step)] if is_count(step) and int(step) < len(place) else None
         else:
             place = getattr(place, step, None) if step in getattr(type(place), "model_fields", {}) else None
     declared = [isinstance(owner, Declaration) and step in type(owner).model_fields for owner, step in fields]

@@ -29,6 +29,11 @@ class Worksheet:
     ended: datetime | None = None
 
     @property
+    def run(self) -> str:
+        """Name of this run, by which the choices of its questions are ordered."""
+        return self.began.isoformat()
+
+    @property
     def minutes(self) -> int:
         """Whole minutes from the beginning to the end, at least 1."""
         return max(round(((self.ended or datetime.now()) - self.began).total_seconds() / 60.0), 1)

@@ -19,6 +19,7 @@ from insonify.tracers.plane_counts import Goal
 OF_A_CHOICE = 1.0 / 6.0
 OF_PLANES = math.sqrt(1.0 - 4.0 * OF_A_CHOICE**2)
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
+FINE = [choice for choice in STAGED if choice.stage == FINENESS]
 PLANES = next(choice for choice in CHOICES if isinstance(choice, Planes))
 BY_SUBJECT = {choice.subject: choice for choice in CHOICES if choice.offered}
 
@@ -98,18 +99,25 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     """Choose the model of a case for a tolerance; what was measured for another tolerance is not measured again."""
     model = _cheapest(case, tolerance)
     cost = case.seconds(model)  # first, so that costs of other models are estimated from this one
-    errors = {choice: choice.error(case, model, cautious=False) for choice in CHOICES}
-    entries = [entry for choice in CHOICES for entry in choice.entries(case, model, errors[choice])]
+    entries = [
+        entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, cautious=False))
+    ]
     # The costs of what is modelled multiply one another; scaled, they add up to that of a ping.
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
     entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
-    planes = PLANES.settings(case, model)
-    others = math.hypot(*(error for choice, error in errors.items() if choice is not PLANES))
-    goal = Goal(OF_PLANES * tolerance, PLANES.law(case, model).trust) if len(planes) > 1 else None
-    if case.is_level and planes == (1,) and case.targets and case.scene.sonar.beam.has_width:
-        goal = Goal(OF_PLANES * tolerance)
-    return Plan(model, tuple(entries), math.hypot(others, errors[PLANES]), others, goal, case.work(model), cost)
+    left_out = math.hypot(*(entry.error for entry in entries if entry.subject != PLANES.subject))
+    error = math.hypot(*(entry.error for entry in entries))
+    return Plan(model, tuple(entries), error, left_out, _find_goal(case, model, tolerance), case.work(model), cost)
+
+
+def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
+    """Error of its planes with which the tracing of a ping ends; none where their number is forced or of no account."""
+    if PLANES.wish(case) is not None or not (PLANES.applies(model) and case.scene.sonar.beam.has_width):
+        return None
+    if model.planes > 1:
+        return Goal(OF_PLANES * tolerance, PLANES.law(case, model).trust)
+    return Goal(OF_PLANES * tolerance) if model.across > 0 else None  # pings that meet a target have several
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
@@ -130,6 +138,8 @@ def _cheapest(case: Case, tolerance: float) -> Model:
     # Shares are fixed, so that more tolerance never means more work, and errors of unlike kinds add up by squares.
     model = Model()
     for choice in STAGED:
+        if choice.stage == GRID:  # of which the work depends on the fineness
+            model = model._replace(**{fine.field: fine.settings(case, model)[0] for fine in FINE})
         most = (OF_PLANES if choice.stage == FINENESS else OF_A_CHOICE) * tolerance
         model = _choose(case, choice, model, most, tolerance)
         choice.require(case, model)

@@ -13,8 +13,12 @@ from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.streams import SPECKLE, TEXTURE
 from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver.stage import PHASES, ReceiverSetup, Sound, Stage
-from insonify.receiver.waves import WaveField, make_field
+from insonify.receiver.waves import TrackFilters, WaveField, factor_correlation, make_field, make_filtered_field
+from insonify.scene.sonar.beams import BeamConditions, BeamKind
 
+# Within which echoes correlate: of the ping numbers, and of the noise.
+MOST_STEPS, MOST_NODES = 1024, 32
+RANGE_ROWS = 16  # per octave of slant range, of that correlation
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
 ROWS = 8  # of the table of quantiles, per doubling of the shape
 COLUMNS = 16  # per doubling of the exponential number
@@ -46,8 +50,8 @@ class Speckle(Stage):
     Along range, scatterers interfere over the length of the pulse. Along the track, two pings a distance d apart
     receive a scatterer at angle φ with phases 2kdφ apart. Their amplitudes correlate as the transform of the two-way
     beam pattern, sin(kdθ)/(kdθ) for a fan (van Cittert-Zernike theorem; Goodman, Speckle Phenomena in Optics), so that
-    ∫|ρ|² = λ/2θ, half the length of an array, at any range. The texture of the bed has no phase. It correlates over
-    the overlap of resolution cells, rθ along the track.
+    ∫|ρ|² = λ/2θ at any range. Near an array its own phases count, and amplitudes correlate as its field on the bed.
+    The texture of the bed has no phase. It correlates over the overlap of resolution cells, rθ along the track.
     """
 
     name, detail, rank = "speckle", "interference in this pixel", PHASES
@@ -68,7 +72,9 @@ class Speckle(Stage):
         taps = coherent_taps(pulse, speed, arrays.bin_length)
         advance = scene.track.speed / scene.sonar.ping_rate
         wavelength = speed / scene.sonar.frequency
-        field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
+        field = _correlated_field(setup, taps, advance)
+        if field is None:
+            field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
         looks, declared_texture = declared.independent_records, declared.texture
         if declared_texture is None:
             return cls(field, looks, None, None)
@@ -104,6 +110,33 @@ class Speckle(Stage):
         """Factors of mean 1, (n, 2, bins), with the 1/ν of each bin or the receiver's own ν."""
         factors = self.field.energies(pings, self.looks)
         return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
+
+
+def _correlated_field(setup: ReceiverSetup, taps: Floats, advance: float) -> WaveField | None:
+    """Waves whose correlation along the track the beam itself gives; None for one that has no phases of its own."""
+    arrays, sonar = setup.arrays, setup.scene.sonar
+    # Nearer than its first row the beam's pattern stays as it is.
+    row = np.round(RANGE_ROWS * np.log2(np.maximum(bin_centres(arrays), arrays.pattern.first_range))).astype(np.int64)
+    conditions = BeamConditions(arrays.water.reference, sonar.frequency, sonar.range)
+    filters = _track_filters(sonar.beam, conditions, advance, row[0].item(), row[-1].item())
+    return filters and make_filtered_field(setup.scene.seed, SPECKLE, taps, filters, row - row[0])
+
+
+@lru_cache(maxsize=8)
+def _track_filters(
+    beam: BeamKind, conditions: BeamConditions, advance: float, first: int, last: int
+) -> TrackFilters | None:
+    """Return filters for the correlation of a beam's echoes at slant ranges from a first to a last row."""
+    apart = beam.coherence(advance, conditions)
+    if apart is None:
+        return None
+    step = 1 << max(math.ceil(math.log2(apart.size / MOST_STEPS)), 0)
+    at = [conditions._replace(range=2.0 ** (row / RANGE_ROWS)) for row in range(first, last + 1)]
+    rows = [factor_correlation(found) for each in at if (found := beam.coherence(step * advance, each)) is not None]
+    weights = np.zeros((len(rows), max(row.size for row in rows)))
+    for filled, row in zip(weights, rows):
+        filled[: row.size] = row
+    return TrackFilters(step, 1 << max(math.ceil(math.log2(weights.shape[1] / MOST_NODES)), 0), weights)
 
 
 @dataclass(frozen=True, eq=False)

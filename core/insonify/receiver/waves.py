@@ -1,7 +1,9 @@
 """Waves of a block of pings: complex amplitudes that add before detection, and random fields of them."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from insonify.kernels.speckle.random_fields import (
     add_filtered_energy,
     add_filtered_waves,
     fill_white_noise,
+    filter_noise,
     smooth_noise,
 )
 
@@ -18,6 +21,7 @@ from insonify.kernels.speckle.random_fields import (
 TRIANGLE_INTERVAL = 151.0 / 140.0
 SINGLE_PING = 1.0  # half width in pings up to which a triangle holds a single ping
 NARROWEST_TRIANGLE = 0.5  # pings
+LEAST_DENSITY = 1e-5  # of a spectrum of mean 1, so that its logarithm is finite
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +100,55 @@ class WaveField:
         first = band.start - self.taps.size + 1
         fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, real, imaginary)
         return real, imaginary
+
+
+class TrackFilters(NamedTuple):
+    """Filters along the track that give white noise a known correlation, not only a known length of it."""
+
+    step: int  # pings that have one value
+    spacing: int  # steps between two nodes of the noise
+    weights: Floats  # (rows, n) of the noise 0 to n - 1 steps before; of every row the squares sum to 1
+
+
+@dataclass(frozen=True, eq=False)
+class FilteredField(WaveField):
+    """Waves whose correlation along the track is that of filters."""
+
+    filters: TrackFilters
+    edges: Integers  # (rows + 1,) columns between which each row of the filters applies
+
+    def _noise(self, pings: Integers, stream: int) -> tuple[Singles, Singles]:
+        """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
+        step, spacing, weights = self.filters
+        columns, newest = self.half_width.size, pings // (step * spacing)
+        nodes = np.unique(newest[:, None] - np.arange((weights.shape[1] + spacing - 1) // spacing))
+        white = self._white(nodes, spacing, slice(0, columns), stream)
+        real, imaginary = np.zeros((2, pings.size, 2, columns), np.float32)
+        past = pings // step - newest * spacing
+        row = np.searchsorted(nodes, newest)
+        filter_noise(row, past, spacing, weights, self.edges, white, (real, imaginary))
+        return real, imaginary
+
+
+def make_filtered_field(seed: int, stream: int, taps: Floats, filters: TrackFilters, row: Integers) -> FilteredField:
+    """Random field of the filters' correlation along the track, with the row of each bin, ascending from 0."""
+    edges = taps.size - 1 + np.searchsorted(row, np.arange(len(filters.weights) + 1))
+    edges[0] = 0
+    return FilteredField(seed, stream, taps.astype(np.float32), np.zeros(edges[-1]), filters, edges)
+
+
+def factor_correlation(correlation: Floats) -> Floats:
+    """Weights of white noise whose sum has the given correlation: a minimum-phase factor, as long as that.
+
+    By the cepstrum (Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5).
+    """
+    size = 1 << max(math.ceil(math.log2(16 * correlation.size)), 10)
+    spectrum = 2.0 * np.fft.rfft(correlation, size).real - correlation[0]
+    cepstrum = np.fft.irfft(np.log(np.maximum(spectrum, LEAST_DENSITY)), size)
+    cepstrum[0] *= 0.5
+    cepstrum[size // 2 :] = 0.0
+    weights = np.fft.irfft(np.exp(np.fft.rfft(cepstrum)), size)[: correlation.size]
+    return np.asarray(weights / math.sqrt((weights**2).sum()))
 
 
 def make_field(seed: int, stream: int, taps: Floats, interval: Floats) -> WaveField:

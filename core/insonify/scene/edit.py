@@ -3,11 +3,12 @@
 import math
 import re
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any, Self
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.errors import SceneError
+from insonify.errors import SceneError, is_count
 from insonify.scene.base import Declaration, kind_name, models_of
 from insonify.scene.faults import describe_fault, unit_at
 from insonify.scene.links import read_literal
@@ -109,7 +110,7 @@ def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
         example = "path.to.field=value; write for example sonar.range=75" if option == "--set" else "name=value"
         raise SceneError(f"{option} {text!r} is not of the form {example}")
     value = read_literal(literal)
-    location = tuple(int(step) if step.isdecimal() else step for step in path.split("."))
+    location = tuple(int(step) if is_count(step) else step for step in path.split("."))
     if isinstance(value, str) and (unit := unit_at(location, Scene)):
         number = parse_quantity(value, unit)
         value = value if number is None else number
@@ -120,6 +121,7 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
     """Set one dotted path in nested plain values."""
     *parents, last = path.split(".")
     place: Any = values
+    value = deepcopy(value)  # a later path may change a part of it
     for key in parents:
         child = _child(place, key, path)
         if not isinstance(child, (dict, list)):
@@ -153,7 +155,7 @@ class _Switched(str):
 def _child(place: Any, key: str, path: str) -> Any:
     if isinstance(place, dict):
         return place.get(key)
-    if not key.lstrip("-").isdigit() or not 0 <= int(key) < len(place):
+    if not is_count(key) or int(key) >= len(place):
         raise SceneError(f"{path}: there is no item {key!r}; the list has {len(place)}, numbered from 0")
     return place[int(key)]
 
@@ -190,6 +192,6 @@ def part_at(scene: Scene, path: str) -> Any:
     """Part of a scene at a dotted path, the scene itself for an empty one; None if there is none."""
     place: Any = scene
     for step in filter(None, path.split(".")):
-        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
+        is_position = isinstance(place, tuple) and is_count(step) and int(step) < len(place)
         place = place[int(step)] if is_position else getattr(place, step, None)
     return place

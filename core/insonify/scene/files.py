@@ -1,7 +1,5 @@
 """Scenes read from TOML files and written to them."""
 
-import tomllib
-import warnings
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -9,14 +7,13 @@ from typing import Any
 
 import tomli_w
 
-from insonify.errors import FileWarning, SceneError
+from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.files import bundled_meshes, bundled_scenes
-from insonify.io.file_access import read_named
+from insonify.io.file_access import LARGEST_TOML, FileFault, parse_toml, read_named
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.scene import Scene
 
 DEFAULT_SCENE = "default"
-LARGEST = 2**24  # bytes of a scene
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -38,13 +35,13 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
-    text = read_named("scene", str(name_or_path), path, form="TOML", bundled=bundled_scenes(), largest=LARGEST)
+    text = read_named("scene", str(name_or_path), path, form="TOML", bundled=bundled_scenes(), largest=LARGEST_TOML)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
     scene = scene_from_toml(text, source=path)
     noise = scene.receiver.noise
     if noise is not None and noise.advice and path not in bundled_scenes().values():
-        warnings.warn(FileWarning(f"{path.name}: {noise.advice}"), stacklevel=2)
+        warn_caller(FileWarning(f"{path.name}: {noise.advice}"))
     return scene
 
 
@@ -65,7 +62,7 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     """Build a scene from TOML text; relative file paths in it are taken from the folder of ``source``."""
     name = "scene" if source is None else str(source)
     try:
-        values = tomllib.loads(text)
+        values = parse_toml(text)
         if source is not None:
             values = with_paths_beside(source, values)
             if isinstance(partner := values.get("partner"), list):
@@ -75,10 +72,8 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
                     scene_beside(source, word) if one else word for one, word in zip(is_scene, partner)
                 ]
         return build(values)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: is not valid TOML ({error}); correct that line") from None
-    except RecursionError:
-        raise SceneError(f"{name}: is nested too deeply; a scene has only a few levels of tables") from None
+    except FileFault as fault:
+        raise SceneError(f"{name}: {fault}") from None
     except SceneError as error:
         raise SceneError(str(error) if source is None else f"{source.name}: {error}") from None
 

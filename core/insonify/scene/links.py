@@ -1,8 +1,9 @@
 """Links in descriptions to a field and a value to try: ``[lower the fish](track.altitude=5)``."""
 
 import re
-import tomllib
 from typing import Any, NamedTuple
+
+from insonify.io.file_access import FileFault, parse_toml
 
 _LINK = re.compile(r"\[(?P<words>[^\]]+)\]\((?P<path>[a-z_][\w.]*)=(?P<literal>[^()]*)\)")
 
@@ -30,6 +31,6 @@ def split_description(text: str) -> tuple[str | Link, ...]:
 def read_literal(literal: str) -> Any:
     """Read a value in TOML; anything else is taken as text."""
     try:
-        return tomllib.loads(f"value = {literal}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
+        return parse_toml(f"value = {literal}")["value"]
+    except FileFault:
         return literal.strip()

@@ -4,7 +4,8 @@ They are measured on amplitudes relative to the record's median curve (`estimate
 altitude, so that gain, range and the strong echoes near nadir have no effect.
 """
 
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,12 +13,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES
-from insonify.arrays import Booleans, Floats, Reals, Singles
+from insonify.arrays import Booleans, Floats, Integers, Reals, Singles
 from insonify.display.normalisation import normalise
-from insonify.display.sheet import compute_median_curve, fill_altitude
+from insonify.display.sheet import fill_altitude, find_median_curve
 from insonify.scene import SceneError
 from insonify.terrain.periodic_waves import frequencies
 
+STRETCH = 512  # pings that are read together
+MOST = 2**25  # echoes that are measured; of a longer record, in stretches evenly along it
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
 SEGMENT = 128  # samples of a segment for a spectrum
@@ -34,6 +37,9 @@ OFF_STEP = 0.02  # greatest distance of an amplitude from a multiple of the step
 CLIPPED = 1e-4  # share of samples at the greatest amplitude above which it counts as full scale
 LOWEST_WAVE = 4.0  # cycles per period; lower frequencies have few waves and are clamped
 LEAST_SPAN = 16.0  # cycles per period between the lowest and the highest frequency
+
+
+Patches = tuple[Singles, Floats, Integers]  # with the unevenness and the place of each
 
 
 class AmplitudeSpectrum(NamedTuple):
@@ -90,56 +96,164 @@ class RecordStatistics(NamedTuple):
 
 
 def measure_statistics(record: xr.Dataset) -> RecordStatistics:
-    """Measure the statistics of a record."""
-    intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
-    curve = compute_median_curve(record)[:, 0]
-    amplitude = normalise(intensity, curve)
-    r, altitude = record["slant_range"].values, fill_altitude(record)
-    step = _amplitude_step(intensity)
-    bed = np.broadcast_to(
-        (r >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * step), intensity.shape
-    )
-    full = intensity >= intensity.max()  # samples at full scale, unless the greatest intensity is rare
-    patches = _even_patches(amplitude, bed & ~full if full.sum() > CLIPPED * intensity.size else bed)
-    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), measure_ping_spacing(record))
-    across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
-    if patches.size == 0 or along is None or across is None:
+    """Measure the statistics of a record, of a long one from stretches that lie evenly along it."""
+    measured = _Stretches(record)
+    variation, amplitude = measured.even_patches()
+    along = measured.spectrum(1, measure_ping_spacing(record))
+    across = measured.spectrum(2, 2.0 * float(record["slant_range"].values[0]))
+    if variation.size == 0 or along is None or across is None:
         raise SceneError(
             f"{record.attrs.get('title', 'record')}: has too little bed to measure; "
             f"give at least {SEGMENT} pings that move on and {SEGMENT} bins beyond {ERROR_ALTITUDES} altitudes"
         )
-    mean = patches.mean(axis=(1, 2))
-    relative = (patches / mean[:, None, None]).reshape(len(patches), -1)
-    limit = np.broadcast_to((0.5 * step) ** 2 / curve, bed.shape)
-    return RecordStatistics(relative.std(axis=1), relative, along, across, *_measure_shadows(amplitude, bed, limit))
+    return RecordStatistics(variation, amplitude, along, across, *measured.shadows())
 
 
-def _even_patches(amplitude: Singles, bed: Booleans) -> Floats:
-    """Choose the most even patches by the means of their quarters: without targets, shadows or slopes."""
-    patches, whole = _tiles(amplitude, (PATCH, PATCH)), _tiles(bed, (PATCH, PATCH)).all(axis=(1, 2))
-    patches = patches[whole & (patches.mean(axis=(1, 2)) > 0.0)].astype(np.float64)
-    half = PATCH // 2
-    quarters = patches.reshape(-1, 2, half, 2, half).mean(axis=(2, 4)).reshape(-1, 4)
-    unevenness = np.ptp(quarters, axis=1) / quarters.mean(axis=1)
-    return patches[np.argsort(unevenness, kind="stable")[: int(np.ceil(EVENEST * len(patches)))]]
+class _Stretches:
+    """Stretches of a record with its echoes relative to its median curve, read one after another."""
+
+    def __init__(self, record: xr.Dataset) -> None:
+        pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
+        # Stretches begin at whole patches, blocks and segments.
+        every = -(-2 * pings * bins // MOST)
+        self.stretches = [slice(at, min(at + STRETCH, pings)) for at in range(0, pings, STRETCH * every)]
+        self._record, self._pings = record, pings
+        self._range, self._altitude = record["slant_range"].values, fill_altitude(record)
+        self._curve = find_median_curve(record, self._altitude)
+        self._step, self._full = 0.0, np.inf
+        self._step, self._full = self._find_scale()
+
+    def _echoes(self, some: slice) -> Singles:
+        return np.asarray(self._record.variables["intensity"][:, some])
+
+    def _relate(self, some: slice) -> tuple[Singles, Singles]:
+        """Intensities of some pings, (2, n, bins), and their amplitudes relative to the curve."""
+        echoes = self._echoes(some)
+        return echoes, normalise(echoes, self._curve.at(self._altitude[some]))
+
+    def _bed(self, some: slice) -> tuple[Booleans, Floats]:
+        """Which echoes of some pings, (n, bins), are of the bed and above the noise of numbers, and the curve there."""
+        altitude = self._altitude[some]
+        curve = self._curve.at(altitude)
+        bed = (self._range >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * self._step)
+        return bed, curve
+
+    def _find_scale(self) -> tuple[float, float]:
+        """Step of the amplitudes in bits, all multiples of it, 0 of others; intensity of full scale, or infinity."""
+        least, greatest, number = np.inf, 0.0, 0
+        for some in self.stretches:
+            echoes = self._echoes(some)
+            positive = echoes[echoes > 0.0]
+            number += positive.size
+            greatest = max(greatest, float(echoes.max()))
+            least = min(least, float(positive.min())) if positive.size else least
+        if number == 0:
+            return 0.0, np.inf
+        step, off, full, size = float(np.sqrt(least)), 0.0, 0, 0
+        for some in self.stretches:
+            echoes = self._echoes(some)
+            multiples = np.sqrt(echoes[echoes > 0.0][:: number // ENOUGH + 1].astype(np.float64)) / step
+            off = max(off, float(np.abs(multiples - np.rint(multiples)).max(initial=0.0)))
+            full, size = full + int((echoes >= greatest).sum()), size + echoes.size
+        # The greatest amplitude is full scale, unless it is rare.
+        return step if off < OFF_STEP else 0.0, greatest if full > CLIPPED * size else np.inf
+
+    def even_patches(self) -> tuple[Floats, Singles]:
+        """Variation and relative amplitudes of the most even patches: without targets, shadows or slopes."""
+        half, tiles = PATCH // 2, 0
+        kept: Patches = np.empty((0, PATCH, PATCH), dtype=np.float32), np.empty(0), np.empty(0, dtype=np.int64)
+        most = sum((some.stop - some.start) // PATCH for some in self.stretches) * 2 * (self._range.size // PATCH)
+        number = 0
+        for some in self.stretches:
+            echoes, amplitude = self._relate(some)
+            bed, _ = self._bed(some)
+            whole = _tiles(bed & (echoes < self._full), (PATCH, PATCH)).all(axis=(1, 2))
+            patches = _tiles(amplitude, (PATCH, PATCH))
+            # Of equally even patches those of port, then the first ones, count.
+            places = np.arange(len(patches)).reshape(2, -1) + np.array([[0], [most]]) + tiles
+            tiles += len(patches) // 2
+            chosen = np.flatnonzero(whole & (patches.mean(axis=(1, 2)) > 0.0))
+            number += chosen.size
+            patches = patches[chosen]
+            quarters = patches.astype(np.float64).reshape(-1, 2, half, 2, half).mean(axis=(2, 4)).reshape(-1, 4)
+            unevenness = np.ptp(quarters, axis=1) / quarters.mean(axis=1)
+            kept = (
+                np.concatenate([kept[0], patches]), np.concatenate([kept[1], unevenness]),
+                np.concatenate([kept[2], places.reshape(-1)[chosen]]),
+            )  # fmt: skip
+            if len(kept[0]) > 2 * EVENEST * most:
+                kept = _most_even(kept, math.ceil(EVENEST * most))
+        patches = _most_even(kept, math.ceil(EVENEST * number))[0]
+        variation = np.empty(len(patches))
+        for first in range(0, len(patches), ENOUGH):
+            part = patches[first : first + ENOUGH].astype(np.float64)
+            relative = (part / part.mean(axis=(1, 2))[:, None, None]).reshape(-1, PATCH * PATCH)
+            variation[first : first + ENOUGH] = relative.std(axis=1)
+            patches[first : first + ENOUGH] = relative.reshape(part.shape)
+        return variation, patches.reshape(-1, PATCH * PATCH)
+
+    def spectrum(self, axis: int, step: float) -> AmplitudeSpectrum | None:
+        """Median of the periodograms, detrended and under a Hann window, of segments of bed, 1 along, 2 across."""
+        if not step > 0.0:
+            return None
+        rooms = []
+        for some in self.stretches:
+            # Segments along the track end in the pings behind a stretch.
+            bed, _ = self._bed(self._extended(some, axis))
+            rooms.append(_segments(bed if axis == 2 else bed.T).all(axis=-1))
+        along = 1 if axis == 1 else 0  # of a room: its stretches follow each other there
+        room = np.concatenate(rooms, axis=along)
+        whole = np.nonzero(np.broadcast_to(room, (2, *room.shape)))
+        picked = np.stack([index[:: index.size // ENOUGH + 1] for index in whole])
+        first, found = 0, []
+        for some, size in zip(self.stretches, (each.shape[along] for each in rooms)):
+            own = picked[:, (picked[1 + along] >= first) & (picked[1 + along] < first + size)]
+            own[1 + along] -= first
+            first += size
+            if own.size:
+                _, amplitude = self._relate(self._extended(some, axis))
+                segments = _segments(amplitude if axis == 2 else amplitude.swapaxes(1, 2))
+                found.append(segments[tuple(own)].astype(np.float64))
+        segments = np.concatenate([*found, np.empty((0, SEGMENT))])
+        mean = segments.mean(axis=-1)
+        segments = segments[mean > 0.0] / mean[mean > 0.0, None]
+        if len(segments) == 0:
+            return None
+        power = _periodograms(segments, step)
+        # The median is robust against targets; that of an exponential variable is ln 2 times its mean.
+        median = np.median(power[:, 1:-1], axis=0) / np.log(2.0)
+        return AmplitudeSpectrum(np.arange(1, SEGMENT // 2) / (SEGMENT * step), median)
+
+    def _extended(self, some: slice, axis: int) -> slice:
+        return slice(some.start, min(some.stop + SEGMENT // 2, self._pings)) if axis == 1 else some
+
+    def shadows(self) -> tuple[float, bool]:
+        """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves."""
+        parts = []
+        for some in self.stretches:
+            bed, curve = self._bed(some)
+            tiles = _tiles(self._relate(some)[1], BLOCK).astype(np.float64)
+            limit = _tiles((0.5 * self._step) ** 2 / curve[None], BLOCK).mean(axis=(1, 2))
+            columns = np.arange(limit.size) % max(self._range.size // BLOCK[1], 1)
+            whole = _tiles(bed[None], BLOCK).all(axis=(1, 2))
+            of_sides = (tiles**2).mean(axis=(1, 2)).reshape(2, -1)
+            parts.append((of_sides[:, whole], limit[whole], columns[whole]))
+        level = np.concatenate([part[0] for part in parts], axis=1).ravel()
+        limit, columns = (np.tile(np.concatenate([part[at] for part in parts]), 2) for at in (1, 2))
+        return _measure_shadows(level, limit, columns)
 
 
-def _spectrum(amplitude: Singles, bed: Booleans, step: float) -> AmplitudeSpectrum | None:
-    """Median of the periodograms, detrended and under a Hann window, of all segments of bed along the last axis."""
-    if amplitude.shape[-1] < SEGMENT or not step > 0.0:
-        return None
-    starts = (..., slice(None, None, SEGMENT // 2), slice(None))
-    whole = np.nonzero(sliding_window_view(bed, SEGMENT, axis=-1)[starts].all(axis=-1))
-    some = tuple(index[:: len(index) // ENOUGH + 1] for index in whole)
-    segments = sliding_window_view(amplitude, SEGMENT, axis=-1)[starts][some].astype(np.float64)
-    mean = segments.mean(axis=-1)
-    segments = segments[mean > 0.0] / mean[mean > 0.0, None]
-    if len(segments) == 0:
-        return None
-    power = _periodograms(segments, step)
-    # The median is robust against targets; that of an exponential variable is ln 2 times its mean.
-    median = np.median(power[:, 1:-1], axis=0) / np.log(2.0)
-    return AmplitudeSpectrum(np.arange(1, SEGMENT // 2) / (SEGMENT * step), median)
+def _most_even(patches: Patches, count: int) -> Patches:
+    """Take the first patches by unevenness and place."""
+    first = np.lexsort(patches[:0:-1])[:count]
+    return patches[0][first], patches[1][first], patches[2][first]
+
+
+def _segments(values: NDArray[Any]) -> NDArray[Any]:
+    """Segments along the last axis, each half over the next, as a view (..., segments, SEGMENT)."""
+    if values.shape[-1] < SEGMENT:
+        return np.empty((*values.shape[:-1], 0, SEGMENT), dtype=values.dtype)
+    return sliding_window_view(values, SEGMENT, axis=-1)[..., :: SEGMENT // 2, :]
 
 
 def _periodograms(segments: Floats, step: float) -> Floats:
@@ -153,31 +267,17 @@ def _periodograms(segments: Floats, step: float) -> Floats:
     return np.asarray(2.0 * step * np.abs(np.fft.rfft(window * level)) ** 2 / (window @ window))
 
 
-def _amplitude_step(intensity: Singles) -> float:
-    """Step of the amplitudes of a record in bits, all multiples of it; 0 for any other record."""
-    amplitude = np.sqrt(intensity[intensity > 0.0].astype(np.float64))
-    if amplitude.size == 0:
-        return 0.0
-    step = float(amplitude.min())
-    multiples = amplitude[:: amplitude.size // ENOUGH + 1] / step
-    return step if np.abs(multiples - np.rint(multiples)).max() < OFF_STEP else 0.0
-
-
-def _measure_shadows(amplitude: Singles, bed: Booleans, limit: Floats) -> tuple[float, bool]:
-    """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves."""
+def _measure_shadows(level: Floats, limit: Floats, columns: Integers) -> tuple[float, bool]:
+    """Depth of shadows by the energies of blocks of bed, the least that each resolves, and their places in range."""
     # The darkest blocks at neighbouring ranges give the noise floor there, since nothing but noise is in a shadow.
     # Where it lies farther below the bed's median than the bed's own levels spread, blocks nearer the floor than the
     # median, in decibels, are shadows.
-    whole = _tiles(bed, BLOCK).all(axis=(1, 2))
-    level = (_tiles(amplitude, BLOCK)[whole].astype(np.float64) ** 2).mean(axis=(1, 2))
-    if not np.median(level) > 0.0:  # most of the record is silent: it has no level to compare shadows with
+    middle = np.median(level)
+    if not middle > 0.0:  # most of the record is silent: it has no level to compare shadows with
         return float("nan"), False
-    least = np.maximum(_tiles(limit, BLOCK)[whole].mean(axis=(1, 2)), 10.0 ** (SILENCE / 10.0) * np.median(level))
-    decibels = 10.0 * np.log10(np.maximum(level, least) / np.median(level))
-    columns = np.broadcast_to(
-        np.arange(bed.shape[2] // BLOCK[1]), (2, bed.shape[1] // BLOCK[0], bed.shape[2] // BLOCK[1])
-    )
-    order = np.argsort(columns.reshape(-1)[whole], kind="stable")
+    least = np.maximum(limit, 10.0 ** (SILENCE / 10.0) * middle)
+    decibels = 10.0 * np.log10(np.maximum(level, least) / middle)
+    order = np.argsort(columns, kind="stable")
     bands = np.array_split(order, max(order.size // BAND, 1))
     dark = np.concatenate([band[_shadowed(decibels[band])] for band in bands])
     if dark.size <= FEWEST * level.size:
@@ -195,7 +295,7 @@ def _shadowed(decibels: Floats) -> Booleans:
 
 
 def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.generic]:
-    """Cut (2, pings, bins) into tiles (n, *shape) without the remainders at the ends."""
+    """Cut (sides, pings, bins) into tiles (n, *shape) without the remainders at the ends."""
     rows, columns = (size // step for size, step in zip(values.shape[1:], shape))
     cut = values[:, : rows * shape[0], : columns * shape[1]]
     tiles = cut.reshape(len(cut), rows, shape[0], columns, shape[1]).swapaxes(2, 3)

@@ -128,9 +128,9 @@ class Yolo(AnnotationKind, kind="yolo", rank=20):
 
     @contextmanager
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
-        """Write ``data.yaml``."""
+        """Write ``data.yaml``; without ``path`` its folders are beside it, whatever folder a program runs in."""
         yield _ignore
         roles = {"validation": "val"}
-        lines = ["path: .", *(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:"]
+        lines = [*(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:" + " {}" * (not classes)]
         lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]
         write_text(folder / "data.yaml", "\n".join(lines) + "\n")

@@ -1,10 +1,10 @@
 """Mosaic: the swaths of several records on one grid of the map."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from insonify.surveys.swath import Swath
 
 FARTHEST_GAP = 5.0  # median distances between pings over which the swath is still filled
 LARGEST_SIDE = 30_000  # cells
+STRIP = 2**21  # cells whose sums are in memory at once
+BY_DISTANCE = ("nearest", "no-nadir")  # rules of overlaps by ground range
 NADIR_GAP = math.sqrt(1.4**2 - 1.0)  # altitudes of ground range at a slant range of 1.4 altitudes
 BEHIND = 1e9  # m, farther than any ground range
 FAINTEST = -40.0  # dB, of cells without an echo
@@ -44,12 +46,31 @@ class Mosaic:
     count: NDArray[np.uint16]  # (rows, columns) records that have a sample in the cell
 
 
+class Laid(Protocol):
+    """A record on the map."""
+
+    reach: float  # greatest ground range, in metres
+    altitude: Floats  # (pings,) in metres
+    bin_length: float  # in metres of slant range
+
+    @property
+    def spacing(self) -> float:
+        """Median distance between successive pings, in metres."""
+
+    @property
+    def corners(self) -> Floats:
+        """Lower left and upper right corner of the rectangle that holds it, (2, 2)."""
+
+    def blocks(self, low: Reals, high: Reals) -> Iterator[tuple[Swath, int]]:
+        """Yield the pings that reach into a rectangle: blocks, each with the ping behind it, and the number without."""
+
+
 class _Layer(NamedTuple):
     """What one record has in the cells of the part of a mosaic that it reaches."""
 
     part: tuple[slice, slice]  # rows and columns of the mosaic
     mean: Floats  # energy; NaN where no sample lies
-    distance: Floats  # mean ground range, in metres
+    distance: Floats  # mean ground range, in metres; without cells where the rule of overlaps needs none
     gap: float  # ground range up to which the bed is seen steeply and squeezed, in metres
 
 
@@ -58,6 +79,15 @@ class _Extent(NamedTuple):
 
     low: Integers  # (2,) column and row of the lower left cell
     high: Integers  # (2,) beyond the last column and row
+
+    def within(self, other: "_Extent") -> "_Extent":
+        """Return the part within another rectangle."""
+        return _Extent(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
+
+    @property
+    def holds_cells(self) -> bool:
+        """Whether there is any cell in it."""
+        return bool((self.high > self.low).all())
 
 
 def choose_cell(finest: float) -> float:
@@ -68,24 +98,32 @@ def choose_cell(finest: float) -> float:
     return power * max(digit for digit in ROUND if digit * power <= finest)
 
 
-def make_mosaic(swaths: Iterable[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
-    """Put the swaths of records together; they are iterated over twice."""
+def make_mosaic(swaths: Sequence[Laid], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
+    """Put the swaths of records together; each is taken at least twice."""
     # Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
-    # distance, and averaged in energy within a cell. The rule of overlaps then decides between records.
+    # distance, and averaged in energy within a cell. The rule of overlaps then decides between records. A large mosaic
+    # is made in strips, so that the sums of few cells are in memory.
     finest, corners = zip(*((max(swath.spacing, swath.bin_length), swath.corners) for swath in swaths))
     cell = choose_cell(max(finest)) if cell is None else cell
-    whole = _extent(np.concatenate(corners), cell)
+    whole, own = _extent(np.concatenate(corners), cell), [_extent(each, cell) for each in corners]
     columns, rows = (int(size) for size in whole.high - whole.low)
     if max(rows, columns) > LARGEST_SIDE:
         raise SceneError(
             f"--cell {cell:g}: the mosaic would be {columns} by {rows} cells; widen the cell to "
             f"{cell * max(rows, columns) / LARGEST_SIDE:.2g} m or make mosaics of fewer records"
         )
-    energy, count = _combine((_lay(swath, whole, cell) for swath in swaths), overlap, (rows, columns))
-    with np.errstate(divide="ignore"):
-        level = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
+    level, count = np.empty((rows, columns), np.float32), np.zeros((rows, columns), np.uint16)
+    height = max(STRIP // columns, 1)
+    for first in range(0, rows, height):
+        last = min(first + height, rows)
+        strip = _Extent(whole.low + np.array([0, first]), whole.low + np.array([columns, last]))
+        parts = ((number, each.within(strip)) for number, each in enumerate(own))
+        layers = (_lay(swaths[number], part, strip, cell, overlap) for number, part in parts if part.holds_cells)
+        energy = _combine(layers, overlap, count[first:last])
+        with np.errstate(divide="ignore"):
+            level[first:last] = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
     corner = float(whole.low[0]) * cell, float(whole.high[1]) * cell
-    return Mosaic(level.astype(np.float32)[::-1], corner, cell, count[::-1])
+    return Mosaic(level[::-1], corner, cell, count[::-1])
 
 
 def write_mosaic(path: Path, mosaic: Mosaic, crs: str) -> None:
@@ -126,27 +164,27 @@ def _extent(points: Floats, cell: float) -> _Extent:
     return _Extent(low.astype(np.int64), high.astype(np.int64))
 
 
-def _lay(swath: Swath, whole: _Extent, cell: float) -> _Layer:
-    """Average the samples of one record in every cell that it reaches."""
-    own = _extent(swath.corners, cell)
+def _lay(swath: Laid, own: _Extent, strip: _Extent, cell: float, overlap: str) -> _Layer:
+    """Average the samples of one record in the cells of a strip that it reaches."""
     columns, rows = own.high - own.low
-    energy, ground_range = np.zeros((rows, columns)), np.zeros((rows, columns))
-    count = np.zeros((rows, columns), dtype=np.int64)
+    shape = rows, columns
+    energy, count = np.zeros(shape), np.zeros(shape, dtype=np.int32)
+    ground_range = np.zeros(shape if overlap in BY_DISTANCE else (0, 0))
     longest = max(FARTHEST_GAP * swath.spacing, 2.0 * cell)
-    add_samples(swath, own.low * cell, cell, longest, energy, ground_range, count)
-    left, bottom = own.low - whole.low
-    counts = np.where(count > 0, count, np.nan)
-    return _Layer(
-        (slice(bottom, bottom + rows), slice(left, left + columns)),
-        energy / counts,
-        ground_range / counts,
-        NADIR_GAP * float(np.nanmedian(swath.altitude)),
-    )
+    for block, pings in swath.blocks(own.low * cell, own.high * cell):
+        add_samples(block, pings, own.low * cell, cell, longest, energy, ground_range, count)
+    left, bottom = own.low - strip.low
+    with np.errstate(invalid="ignore"):
+        energy /= count
+        ground_range /= count if ground_range.size else 1.0
+    gap = NADIR_GAP * float(np.nanmedian(swath.altitude))
+    return _Layer((slice(bottom, bottom + rows), slice(left, left + columns)), energy, ground_range, gap)
 
 
-def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.uint16]]:
-    """Energy of every cell by the rule of overlaps, NaN where no record has a sample; number of records that have."""
-    whole, counts, nearest = np.full(shape, np.nan), np.zeros(shape, np.uint16), np.full(shape, np.inf)
+def _combine(layers: Iterable[_Layer], overlap: str, counts: NDArray[np.uint16]) -> Floats:
+    """Energy of every cell by the rule of overlaps, NaN where no record has a sample; counts records that have."""
+    whole = np.full(counts.shape, np.nan)
+    nearest = np.full(counts.shape if overlap in BY_DISTANCE else (0, 0), np.inf)
     for part, mean, distance, gap in layers:
         energy, count, filled = whole[part], counts[part], np.isfinite(mean)
         if overlap == "mean":
@@ -157,9 +195,10 @@ def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> 
         count += filled
         if overlap == "no-nadir":  # what lies within the gap of one record counts only where no other reaches
             distance = np.where(distance < gap, BEHIND - distance, distance)
-        better = {
-            "last": filled,
-            "strongest": filled & ~(mean <= energy),
-        }.get(overlap, filled & (distance < nearest[part]))
-        energy[better], nearest[part][better] = mean[better], distance[better]
-    return whole, counts
+        if overlap in BY_DISTANCE:
+            better = filled & (distance < nearest[part])
+            nearest[part][better] = distance[better]
+        else:
+            better = filled if overlap == "last" else filled & ~(mean <= energy)
+        energy[better] = mean[better]
+    return whole

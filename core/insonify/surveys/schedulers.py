@@ -18,11 +18,11 @@ from typing import Any
 
 from insonify.compiler.build import Build, own_build, stated_build
 from insonify.cores import VARIABLE, most_threads
-from insonify.errors import SceneError
+from insonify.errors import SceneError, is_count
 from insonify.io.atomic import unfinished_folder
 from insonify.io.object_store import in_store
 from insonify.operating_system import interrupts_blocked
-from insonify.plugins import announced
+from insonify.plugins import announced, loaded
 
 RECORD = "build.json"  # beside the flags of the jobs
 SILENCE, REMINDER = 10.0, 60.0  # s without a worker until the first sentence, and between it and the next one
@@ -127,7 +127,8 @@ class SchedulerKind:
 
 def find_schedulers() -> dict[str, SchedulerKind]:
     """Return the kinds by their prefixes: those of this module and those that installed packages announce."""
-    return {kind.prefix: kind for kind in (*KINDS, *(entry.load() for entry in announced(GROUP)))}
+    others = loaded(announced(GROUP), lambda kind: (kind.prefix, kind))
+    return {kind.prefix: kind for kind in KINDS} | dict(others)
 
 
 def choose_scheduler(text: str) -> tuple[SchedulerKind, str]:
@@ -174,7 +175,7 @@ def _connect_to(protocol: str, rest: str) -> Iterator[Any]:
 def share_cores(text: str) -> tuple[int, int]:
     """Return the number of workers and the threads of each; their product is at most the number of usable cores."""
     cores = most_threads()
-    if text and not (text.isdecimal() and int(text) > 0):
+    if text and not (is_count(text) and int(text) > 0):
         raise SceneError(f"--scheduler local:{text}: {text!r} is not a number of workers; give a whole number from 1")
     workers = int(text) if text else cores
     if workers > cores:

@@ -1,7 +1,6 @@
 """Specifications of surveys and data sets, read from TOML files."""
 
 import hashlib
-import tomllib
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -11,10 +10,10 @@ from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes, bundled_specifications
-from insonify.io.file_access import FileFault, open_regular, read_named
+from insonify.io.file_access import LARGEST_TOML, FileFault, open_regular, parse_toml, read_named
 from insonify.scene import Scene, plain
 from insonify.scene.faults import describe_fault
-from insonify.scene.files import LARGEST, changed_paths, scene_beside, with_paths_beside
+from insonify.scene.files import changed_paths, scene_beside, with_paths_beside
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -36,13 +35,11 @@ def _read_values(
     path = bundled.get(name) or folder / name
     if path in parents:
         raise SceneError(f"{path.name}: like: the specification refers to itself; name another one")
-    text = read_named("specification", name, path, form="TOML", bundled=bundled, largest=LARGEST)
+    text = read_named("specification", name, path, form="TOML", bundled=bundled, largest=LARGEST_TOML)
     try:
-        values = with_paths_beside(path, tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{path.name}: is not valid TOML ({error}); correct that line") from None
-    except RecursionError:
-        raise SceneError(f"{path.name}: is nested too deeply to be read; write fewer tables in tables") from None
+        values = with_paths_beside(path, parse_toml(text))
+    except FileFault as fault:
+        raise SceneError(f"{path.name}: {fault}") from None
     if isinstance(base := values.get("base"), str):
         values["base"] = scene_beside(path, base)
     if (like := values.pop("like", None)) is None:

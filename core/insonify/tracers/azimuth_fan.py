@@ -46,7 +46,6 @@ SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe
 HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
 ROUNDED_DOWN = 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)  # share of a step below it
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
-AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 EVERYWHERE = 1e9  # near field per metre of height, beyond any range
 NEAREST, NEAREST_OF_IMAGE = 0.01, 0.001  # ground range per height from which the beam's azimuths are looked at
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
@@ -141,7 +140,7 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
     # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
     everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
-    fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
+    fan = (0.0, 0.0, 1.0, math.pi, 2.0 * half, EVERYWHERE, math.inf)
     return AzimuthFan(*(np.array([value]) for value in (*(everything if pattern.tabulated else fan), False)))
 
 

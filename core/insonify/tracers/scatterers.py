@@ -14,13 +14,22 @@ from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
 from insonify.arrays import Complexes, Floats, Singles
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_samples, empty_signal, trace_scatterers
+from insonify.kernels.speckle.scatterers import (
+    NO_PHASES,
+    BeamPhases,
+    PulseTaps,
+    Scatterers,
+    detect_samples,
+    empty_signal,
+    trace_scatterers,
+)
 from insonify.kernels.speckle.surface_patches import SurfacePatches
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import Scene, SceneError
+from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.pulses import PulseKind as DeclaredPulse
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes
@@ -97,8 +106,14 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     per_wave = 2.0 * scene.sonar.frequency / speed
     _refuse_large_meshes(arrays.mesh.corners)
     patches = make_surface_patches(arrays.solids, arrays.mesh)
+    pattern = arrays.pattern
+    turns = scene.sonar.beam.phases(BeamConditions(speed, scene.sonar.frequency, scene.sonar.range))
+    phases = NO_PHASES
+    if turns is not None:
+        phases = BeamPhases(turns, pattern.centre, pattern.extent, pattern.first_range, pattern.per_octave)
     return ScattererTracer(
-        Scatterers(scene.seed, density, per_wave, patches), sample_pulse(pulse, speed, arrays.bin_length, arrays.bins)
+        Scatterers(scene.seed, density, per_wave, patches, phases),
+        sample_pulse(pulse, speed, arrays.bin_length, arrays.bins),
     )
 
 

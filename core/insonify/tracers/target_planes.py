@@ -37,6 +37,7 @@ class TargetSectors(NamedTuple):
     high: Floats  # and ends
     step: Floats  # greatest distance of planes across it, rad; infinite for a body on the other side
     nearest: Floats  # bound on its least ground range, m
+    corners: Floats  # (pings, sides × bodies, CORNERS) of bodies with that many, where one face ends and another begins
 
 
 class _Outlines(NamedTuple):
@@ -65,11 +66,14 @@ def _find_sectors(outlines: _Outlines, arrays: SceneArrays, poses: Poses, across
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
     ahead, port = dx * cosine + dy * sine, dy * cosine - dx * sine
-    sides = (_find_one_side(outlines, ahead, abeam, across, arrays.bin_length) for abeam in (port, -port))
+    height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
+    sides = (_find_one_side(outlines, ahead, abeam, height, across, arrays) for abeam in (port, -port))
     return TargetSectors(*(np.concatenate(columns, axis=1) for columns in zip(*sides)))
 
 
-def _find_one_side(outlines: _Outlines, ahead: Floats, abeam: Floats, across: int, bin_length: float) -> TargetSectors:
+def _find_one_side(
+    outlines: _Outlines, ahead: Floats, abeam: Floats, height: Floats, across: int, arrays: SceneArrays
+) -> TargetSectors:
     """Sectors on one side; points on the other side count as at its border."""
     first, radius = outlines.first, outlines.radius
     distance = np.hypot(ahead, abeam)
@@ -80,12 +84,19 @@ def _find_one_side(outlines: _Outlines, ahead: Floats, abeam: Floats, across: in
     farthest = np.maximum(np.maximum.reduceat(distance, first, axis=1), LEAST)
     # Both limits: docs/theory/beam.md
     glint = OF_GLINT * outlines.lobe / np.hypot(1.0, outlines.curvature * farthest)
-    onset = np.where(outlines.curvature > 0.0, OF_GLINT * bin_length / (outlines.lobe * farthest), math.inf)
+    onset = np.where(outlines.curvature > 0.0, OF_GLINT * arrays.bin_length / (outlines.lobe * farthest), math.inf)
     glint = np.where(np.isfinite(outlines.lobe), np.minimum(glint, onset), math.inf)
-    step = np.maximum(np.minimum(high - low, glint) / across, LEAST)
     is_other_side = np.maximum.reduceat(abeam + radius, first, axis=1) <= 0.0
     nearest = np.maximum(np.minimum.reduceat(abeam - radius, first, axis=1), 0.0)
-    return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest)
+    # Of a body at the border of the beam the part inside counts: |sin φ - axis| <= sin(w/2) / cos θ.
+    farther = np.sin(arrays.half_width) * np.hypot(1.0, height / np.maximum(nearest, LEAST))
+    inside = [np.arcsin(np.clip(arrays.pattern.centre + way * farther, -1.0, 1.0)) for way in (-1.0, 1.0)]
+    seen = np.minimum(high, inside[1]) - np.maximum(low, inside[0])
+    step = np.maximum(np.minimum(np.where(seen > 0.0, seen, high - low), glint) / across, LEAST)
+    corners = np.full((*low.shape, CORNERS), math.nan)
+    has_corners = (np.diff(np.append(first, radius.size)) == CORNERS) & (radius[first] == 0.0)
+    corners[:, has_corners] = azimuth[:, first[has_corners][:, None] + np.arange(CORNERS)]
+    return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest, corners)
 
 
 def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Booleans:
@@ -93,7 +104,7 @@ def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Boolea
     met = np.zeros(poses.x.size, np.bool_)
     if not has_bodies(arrays):
         return met
-    low, high, step, nearest = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
+    low, high, step, nearest, _ = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
     height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
     for azimuth, reach in zip(fan.azimuth, fan.reach):
         within = (low - TURNED <= azimuth) & (azimuth <= high + TURNED) & (step < math.inf)
@@ -108,7 +119,7 @@ def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: Azim
     if planes not in known:
         divided = find_pings_to_divide(fan, sectors, np.full(pings, scene.altitude))
         half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
-        low, high, step, nearest = (column[divided] for column in sectors)
+        low, high, step, nearest = (column[divided] for column in sectors[:4])
         within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
         spacing = float(np.subtract(*_edges(fan)[::-1]).min())
         counted = (step < spacing) & (nearest < scene.sonar.range)
@@ -145,12 +156,13 @@ def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats
 def find_planes_to_divide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
     """Which planes of which pings, (pings, planes, sides × bodies), are too wide for a body or hold an end of it."""
     low, high = (edge[:, None] for edge in _edges(fan))
-    a, b, step, nearest = (column[pings, None, :] for column in sectors)
+    a, b, step, nearest = (column[pings, None, :] for column in sectors[:4])
     reached = (nearest <= fan.reach[:, None] * height[pings, None, None]) & np.isfinite(step)
     is_wide = (low < b) & (high > a) & (high - low > (1.0 + LEAST) * step)
     # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
     inward = AT_EDGE * (high - low)
-    holds_end = ((low + inward < a) & (a < high - inward)) | ((low + inward < b) & (b < high - inward))
+    borders = (a, b, *np.moveaxis(sectors.corners[pings, None], -1, 0))
+    holds_end = np.any([(low + inward < border) & (border < high - inward) for border in borders], axis=0)
     return np.asarray((is_wide | holds_end) & reached)
 
 
@@ -160,9 +172,10 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     needs = find_planes_to_divide(fan, sectors, slice(ping, ping + 1), height)[0]
     low, high = _edges(fan)
     a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
-    edges = _place_edges(
-        (low, high), needs.any(axis=1), np.clip(a, low.min(), high.max()), np.clip(b, low.min(), high.max())
-    )
+    corners = sectors.corners[ping, needs.any(axis=0)].ravel()
+    corners = corners[(low.min() < corners) & (corners < high.max())]
+    a, b = (np.clip(border, low.min(), high.max()) for border in (a, b))
+    edges = _place_edges((low, high), needs.any(axis=1), a, b, corners)
     middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     is_plane, parent = _find_parents(low, high, middle)
     covered = (a <= middle[:, None]) & (middle[:, None] <= b) & needs.any(axis=1)[parent][:, None]
@@ -173,10 +186,10 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     number = np.concatenate([np.arange(n) for n in parts])
     size = np.repeat(width / np.maximum(parts, 1), parts)
     start = np.repeat(edges[:-1], parts) + number * size
-    return _make_fan(fan, (low, high), start, start + size, np.concatenate([a, b]))
+    return _make_fan(fan, (low, high), start, start + size, np.concatenate([a, b, corners]))
 
 
-def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats) -> Floats:
+def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats, corners: Floats) -> Floats:
     """Edges of planes and of bodies, without those of divided planes that lie across a body."""
     low, high = planes
     own = np.unique(np.concatenate(planes))
@@ -184,7 +197,7 @@ def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: F
     across = ((a + LEAST < own[:, None]) & (own[:, None] < b - LEAST)).any(axis=1)
     kept = own[~(across & (dense | ~touching).all(axis=1) & (own != 0.0))]
     # Sectors of a top-hat lie on one side of athwart.
-    edges = np.unique(np.concatenate([kept, a, b, [0.0] if low.min() < 0.0 < high.max() else []]))
+    edges = np.unique(np.concatenate([kept, a, b, corners, [0.0] if low.min() < 0.0 < high.max() else []]))
     return edges[np.append(True, np.diff(edges) > LEAST)]
 
 

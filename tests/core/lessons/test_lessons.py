@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from insonify.lessons.conditions import Reader, parse_condition, parse_expressio
 from insonify.lessons.courses import group_lessons, load_courses
 from insonify.lessons.lesson import load_lesson, load_lessons, parse_lesson
 from insonify.lessons.quantities import QUANTITIES
-from insonify.lessons.questions import Ask, Grade, judge, read_number
+from insonify.lessons.questions import Ask, Grade, judge, order_choices, read_number
 from insonify.lessons.states import LessonState, states_of
 from insonify.lessons.worksheet import Answer, Worksheet
 from insonify.scene import Scene, edit, load_scene
@@ -358,6 +359,26 @@ def test_an_answer_is_right_close_or_a_known_mistake(asked, answer, grade, words
     assert (verdict.grade, verdict.words) == (grade, words)
 
 
+def test_choices_stand_in_an_order_of_the_run_that_does_not_tell_the_right_one():
+    asked = [(step.question, step.ask) for lesson in load_lessons() for step in lesson.steps if step.ask.choices]
+    runs = [Worksheet(load_lesson("ghosts"), datetime(2026, 3, 2, 9, 0, 0, number)).run for number in range(60)]
+    first = dict.fromkeys(runs, 0)  # right answers that stand first
+    for question, ask in asked:
+        right = next(place for place, choice in enumerate(ask.choices) if choice.right)
+        stands = Counter()
+        for run in runs:
+            order = order_choices(question, ask, run)
+            assert order == order_choices(question, ask, run), "stable within a run"
+            assert sorted(order) == list(range(len(ask.choices))), "a place is that of the file"
+            stands[order.index(right)] += 1
+            first[run] += order[0] == right
+        even = len(runs) / len(ask.choices)
+        assert all(abs(stands[place] - even) < 5.0 * math.sqrt(even) for place in range(len(ask.choices)))
+    expected = sum(1.0 / len(ask.choices) for _, ask in asked)
+    assert all(abs(count - expected) < 5.0 * math.sqrt(expected) for count in first.values())
+    assert len(set(first.values())) > 1
+
+
 def test_a_number_follows_the_scene_of_the_student():
     ask = Ask.model_validate(NUMBER)
     for altitude in (4.0, 5.0, 8.0):
@@ -382,6 +403,7 @@ def test_a_number_is_read_with_point_comma_and_unit(text, number):
         ({"choices": CHOICES[:1]}, "give two to four"),
         ({"choices": CHOICES[1:] * 2}, "exactly one right choice"),
         ({"choices": [CHOICES[0], CHOICES[0]]}, "exactly one right choice"),
+        ({"choices": [*CHOICES, CHOICES[1]]}, "two choices of the same text"),
         ({"choices": [CHOICES[0], {"text": "Shorter"}]}, "name the misconception"),
         ({"choices": CHOICES, "unit": "m"}, "belong to a number"),
         ({"value": "1 +"}, "a value is missing"),

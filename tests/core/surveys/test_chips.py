@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from commands import refused
 from insonify import cli
 from insonify.scene import SceneError, load_scene
 from insonify.simulation import simulate
+from insonify.surveys.datasets import chips
 from insonify.surveys.datasets.chips import _displayed, _edges, _finish, _grey, _means, cut_chips
 from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
@@ -180,11 +181,45 @@ def test_greys_keep_their_order_and_median_and_invert(scale):
 
 def test_jpeg_and_lines_change_a_picture_as_they_are_asked_to():
     image = np.random.default_rng(4).integers(0, 200, (64, 64)).astype(np.uint8)
-    assert np.array_equal(_finish(image, Picture()), image)
-    errors = [np.abs(_finish(image, Picture(jpeg=q)).astype(int) - image).mean() for q in (20, 90)]
+    assert np.array_equal(_finish(image, Picture(), 0.0, 64.0), image)
+    errors = [np.abs(_finish(image, Picture(jpeg=q), 0.0, 64.0).astype(int) - image).mean() for q in (20, 90)]
     assert errors[0] > 2.0 * errors[1] > 0.0
-    ruled = _finish(image, Picture(lines=2))
-    assert (ruled[:, [16, 48]] == 255).all()
+
+
+@pytest.mark.parametrize(
+    ("lines", "near", "far", "places", "caption"),
+    [
+        (2, 0.0, 160.0, [0, 50, 100, 150], "50 m"),
+        (2, 37.0, 53.0, [40, 45, 50], "5 m"),
+        (1, 8.2, 12.9, [10, 12], "2 m"),
+        (3, 0.31, 0.95, [0.4, 0.6, 0.8], "0.2 m"),
+        (5, 100.0, 100.5, [100.0, 100.1, 100.2, 100.3, 100.4], "0.1 m"),
+        (8, 0.0, 1700.0, [200.0 * number for number in range(9)], "200 m"),
+    ],
+)
+def test_scale_lines_stand_at_round_distances_and_their_caption_is_their_spacing(
+    monkeypatch, lines, near, far, places, caption
+):
+    written = []
+    monkeypatch.setattr(ImageDraw.ImageDraw, "text", lambda draw, place, text, **_: written.append(text))
+    ruled = _finish(np.zeros((32, 160), np.uint8), Picture(lines=lines), near, far)
+    assert written == [caption]
+    at = np.flatnonzero((ruled == 255).all(axis=0))
+    assert at == pytest.approx((np.array(places) - near) / (far - near) * 160.0, abs=1.0)
+    assert len(at) >= lines
+
+
+def test_scale_lines_of_a_chip_measure_its_window(monkeypatch):
+    spans, finish = [], chips._finish
+    monkeypatch.setattr(chips, "_finish", lambda *given: (spans.append(given[2:]), finish(*given))[1])
+    for ground_range in (True, False):
+        wanted = specification(
+            negatives=0.0, picture={"ground_range": ground_range}, chips={"margin": 1.2}, chips_each=1
+        )
+        drawn = draw_scene(wanted, BASE, 1)
+        list(cut_chips(drawn, simulate(drawn.scene, truth="targets", tolerance=0.2), wanted))
+        assert [far - near for near, far in spans] == pytest.approx([1.2 * drawn.views[0].length] * len(spans))
+    assert len(spans) == 4
 
 
 @pytest.mark.parametrize(

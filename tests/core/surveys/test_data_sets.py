@@ -6,10 +6,12 @@ import json
 import math
 import tarfile
 from collections import Counter
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import pytest
+import yaml
 import zarr
 from PIL import Image
 from pydantic import TypeAdapter, ValidationError
@@ -19,18 +21,21 @@ import insonify
 from commands import refused
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_specifications
-from insonify.scene import load_scene, scene_from_toml, scene_to_toml
+from insonify.scene import edit, load_scene, scene_from_toml, scene_to_toml
+from insonify.surveys.annotations import Yolo
 from insonify.surveys.datasets.scenes import Draws, draw_scene, hash_share, split_of
 from insonify.surveys.datasets.specification import DatasetSpecification
-from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
+from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, drop_strays, starts
 from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
+from insonify.tracers.labels import NOTHING
 from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
 BASE = load_scene("default")
+SPLITS = "train", "validation", "test"
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +177,93 @@ def test_masks_yolo_and_coco_agree(small):
     line = (small / image["file_name"].replace("images", "labels")).with_suffix(".txt").read_text().splitlines()[0]
     shares = [(x + width / 2) / 80, (y + height / 2) / 64, width / 80, height / 64]
     np.testing.assert_allclose([float(share) for share in line.split()[1:]], shares, atol=1e-6)
-    assert "val: validation/images" in (small / "data.yaml").read_text()
+
+
+@pytest.mark.parametrize(("start", "file"), [(".", "data.yaml"), ("..", "set/data.yaml"), ("../..", ""), ("train", "")])
+def test_yolo_finds_the_images_from_any_folder(small, monkeypatch, start, file):
+    """By the rules of ultralytics: `path` or the folder of the file, in the working folder if it exists there."""
+    monkeypatch.chdir(small / start)
+    file = Path(file or small / "data.yaml")
+    declared = yaml.safe_load(file.read_text())
+    folder = Path(declared.get("path") or file.parent)
+    assert folder.exists()
+    folders = {role: (folder / declared[role]).resolve() for role in ("train", "val", "test")}
+    assert folders == {role: small.resolve() / split / "images" for role, split in zip(folders, SPLITS)}
+    assert declared["names"] == {0: "drum", 1: "rock"}
+
+
+def test_yolo_without_classes_names_none(tmp_path):
+    with Yolo().collect(tmp_path, SPLITS, []):
+        pass
+    assert yaml.safe_load((tmp_path / "data.yaml").read_text())["names"] == {}
+
+
+PARTS = {  # rows and columns of the parts of a region, and the rows and columns that are left
+    "one part": ([(10, 20, 10, 30)], (10, 20, 10, 30)),
+    "a stray bin above": ([(30, 40, 10, 30), (2, 3, 12, 13)], (30, 40, 10, 30)),
+    "stray bins all about": ([(30, 40, 10, 30), (2, 3, 2, 3), (58, 59, 70, 71), (35, 36, 75, 77)], (30, 40, 10, 30)),
+    "halves": ([(5, 15, 10, 20), (40, 50, 10, 20)], (5, 50, 10, 20)),
+    "a tenth": ([(30, 40, 10, 28), (2, 6, 10, 15)], (2, 40, 10, 28)),
+    "a speckled echo": (
+        [(row, row + 1, column, column + 1) for row in range(8, 40, 2) for column in range(8, 60, 2)],
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize(("parts", "left"), PARTS.values(), ids=PARTS)
+def test_stray_bins_do_not_make_a_box_larger(parts, left):
+    layer = np.full((64, 80), NOTHING, np.int16)
+    for top, bottom, first, last in parts:
+        layer[top:bottom, first:last] = 3
+    layer[60, :] = 5  # another target
+    before = layer.copy()
+    drop_strays(layer, 3)
+    assert np.array_equal(layer == 5, before == 5)
+    if left is None:
+        assert (layer == 3).sum() > 0.9 * (before == 3).sum()
+        left = 8, 39, 8, 59
+    x, y, wide, high = describe_region(layer == 3)["box"]
+    assert (y, y + high, x, x + wide) == pytest.approx(left, abs=2 if len(parts) > 9 else 0)
+    inside = np.s_[y : y + high, x : x + wide]
+    assert np.array_equal(layer[inside], before[inside]), "bins within the box stay"
+
+
+@pytest.mark.parametrize("kind", ["tiles", "chips"])
+def test_a_target_of_which_a_picture_shows_nothing_is_not_annotated(kind):
+    """A box whose echo and shadow drown in noise is there by truth alone; without the noise it is annotated."""
+    changes = {"targets": [{"name": "crate", "of": [{"kind": "box", "size": [1.5, 1.5, 0.6]}], "along": 0.5}]}
+    changes |= {"groups": "one", "negatives": 0.0, "tiles": {"pings": 96, "bins": 160}}
+    changes |= {"chips": {"pixels": 48}, "sampling": {"length": 30.0, "altitude": 0.2}} if kind == "chips" else {}
+    found = {}
+    for snr in (30.0, -40.0):
+        for contrast in (1.0, 0.0):
+            kinds = {kind: changes.get(kind, {}) | {"contrast": contrast}}
+            one = data_set(**changes | kinds)
+            drawn = draw_scene(one, BASE, 1)
+            noisy = edit(
+                drawn.scene, {"receiver.noise": {"kind": "snr", "value": snr, "at": 0.7 * drawn.scene.sonar.range}}
+            )
+            tiles = list(DatasetWork(one, BASE, None).cut(drawn._replace(scene=noisy)))
+            found[snr, contrast] = [each["contrast"] for tile in tiles for each in tile.description["targets"]]
+    assert found[30.0, 1.0] == found[30.0, 0.0] != []
+    assert min(found[30.0, 1.0]) > 1.0
+    assert found[-40.0, 1.0] == []
+    assert max(found[-40.0, 0.0]) < 0.5
+
+
+def test_pixels_of_any_size_show_no_more_of_a_target_than_there_is():
+    shares = []
+    for pixels_across in (16, 40, 47, 64, 200, 331):
+        one = data_set(
+            negatives=0.0, chips={"pixels": pixels_across, "margin": 3.0}, sampling={"length": 30.0, "altitude": 0.2}
+        )
+        drawn = draw_scene(one, BASE, 2)
+        tiles = list(DatasetWork(one, BASE, None).cut(drawn))
+        shares.append([each["shown"] for tile in tiles for each in tile.description["targets"]])
+    assert shares[0]
+    assert all(each == shares[0] for each in shares[1:]), "of the record, whatever the pixels"
+    assert max(shares[0]) <= 1.0
 
 
 def test_pictures_a_datasheet_and_checksums_show_what_the_set_holds(small):

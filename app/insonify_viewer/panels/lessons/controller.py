@@ -267,7 +267,7 @@ class LessonsPanel(Panel):
     def _show_step(self, progress: Progress) -> None:
         """Show the present step, and light what it speaks of."""
         self.progress = progress
-        self.view.page.show_step(progress.lesson, progress.index)
+        self.view.page.show_step(progress.lesson, progress.index, progress.worksheet.run)
         self.view.setCurrentWidget(self.view.page)
         self._light()
         self._explain(progress)

@@ -9,6 +9,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.core_types import CrossSection, Listener, PixelExplanation, Simulation
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.pixel.view import PixelView
+from insonify_viewer.record.comparison.recording import explain_point
 from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.inspection import Mark, SoundDrawing
 from insonify_viewer.state.inspection import Place as ScenePlace
@@ -44,6 +45,8 @@ class PixelPanel(Panel):
         self.view = PixelView()
         workbench.inspection.pinned.connect(self._pin)
         workbench.inspection.picked.connect(self._pick)
+        workbench.recordings.clicked.connect(self._show_recorded)
+        workbench.recordings.opened.connect(self._leave_recorded)
 
     @property
     def complete(self) -> bool:
@@ -86,6 +89,19 @@ class PixelPanel(Panel):
             return
         self._workbench.open_panel(self.name)
         self._explain()
+
+    def _show_recorded(self, mark: Mark) -> None:
+        """Show what is known of a pixel of the recording, in the place of a pinned one."""
+        recording = self._workbench.recordings.recording
+        if recording is not None:
+            self._workbench.inspection.pin(None)
+            self._workbench.open_panel(self.name)
+            self.view.show_recorded(*explain_point(recording, mark))
+
+    def _leave_recorded(self, _: object) -> None:
+        """Leave a pixel of a recording that is no longer shown."""
+        if self._workbench.inspection.mark is None:
+            self.view.show_nothing()
 
     def _explain(self) -> None:
         wanted = self._wanted

@@ -69,6 +69,11 @@ class PixelView(QWidget):
         self.budget.show_explanation(explanation)
         self.section.show_section(explanation, section)
 
+    def show_recorded(self, sentence: str, summary: str) -> None:
+        """Show what is known of a pixel of a recording, which has neither budget nor section."""
+        self.show_nothing()
+        self._say(sentence, summary)
+
     def _say(self, sentence: str, summary: str = "") -> None:
         self.sentence.setText(sentence)
         self.summary.setText(summary)

@@ -412,13 +412,14 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
         place = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
         lines.append((theme.OVER_WATER, f"no sound on the bed {place}"))
     lines += [(theme.OVER_WATER, sentence) for sentence in diagram.limits]
-    metrics = painter.fontMetrics()
-    for number, (colour, line) in enumerate(lines):
-        width = metrics.horizontalAdvance(line) + 10.0
-        box = QRectF(frame.rays.right() - width - 4.0, frame.rays.top() + 5.0 + 17.0 * number, width, 16.0)
-        painter.fillRect(box, SIGN)
+    top, flags = frame.rays.top() + 5.0, Qt.AlignmentFlag.AlignRight | Qt.TextFlag.TextWordWrap
+    for colour, line in lines:
+        room = QRectF(frame.rays.left() + 9.0, top, frame.rays.width() - 18.0, frame.rays.height())
+        box = painter.boundingRect(room, flags, line)
+        painter.fillRect(box.adjusted(-5.0, 0.0, 5.0, 0.0), SIGN)
         painter.setPen(QColor(colour))
-        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, line)
+        painter.drawText(box, flags, line)
+        top = box.bottom() + 1.0
 
 
 def _polygon(frame: PlotScales, distance: Floats, depth: Floats) -> QPolygonF:

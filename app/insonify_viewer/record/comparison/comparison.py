@@ -113,10 +113,9 @@ class Comparison:
             self._session.turn_to(kept.scene, kept.modelling)
 
     def leave(self) -> None:
-        """Leave record A."""
-        if isinstance(self.a, Recording):
-            self._recordings.close()
-        else:
+        """Leave record A, or a recording that is being read."""
+        self._recordings.close()
+        if self.a is not None:
             self._set(None)
 
     def arrange(self, arrangement: Arrangement) -> None:
@@ -180,7 +179,7 @@ class Comparison:
 
     def _show_kept(self, kept: KeptRecord) -> None:
         """Make a kept record A."""
-        if self._recordings.recording is not None:
+        if self._recordings.recording is not None or self._recordings.busy:
             self._recordings.close()
         if self.a is None:
             self.arrangement = Arrangement.ALONE

@@ -276,11 +276,15 @@ class ComparisonOverlay(Painted):
         self._pass_on(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go of the split line."""
+        """Let go of the split line, or signal a click into a recording."""
+        place = event.position().toPoint()
         if self._dragged:
             self._dragged = False
-        else:
-            self._pass_on(event)
+            return
+        clicks = event.button() is Qt.MouseButton.LeftButton and not self._by_ping and self.covers(place)
+        if clicks and (mark := self._a.mark_at(place)) is not None:
+            self._a.clicked.emit(mark)
+        self._pass_on(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Turn the wheel over record A, or leave it to record B."""

@@ -70,8 +70,8 @@ class LinkedRecords(QObject):
             other.show_marks(cross=None if mark is None else self.find_place(one, other, mark))
 
     def _click(self, mark: Mark) -> None:
-        """Explain the pixel of the live record at the place that is clicked in A."""
-        if (found := self.find_place(self._beside, self._live, mark)) is not None:
+        """Explain the pixel of the live record at the place that is clicked in a simulated A."""
+        if self.by_ping and (found := self.find_place(self._beside, self._live, mark)) is not None:
             self._live.clicked.emit(found)
 
     def _show_padlock(self, closed: bool) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from psygnal import Signal
 from PySide6.QtGui import QAction
 
+from insonify.scene import SceneError
 from insonify_viewer.errors import Failure
 from insonify_viewer.record.comparison.comparison_actions import ComparisonActions
 from insonify_viewer.record.comparison.comparison_overlay import ComparisonOverlay
@@ -52,6 +53,7 @@ class RecordingPlayer:
     opened = Signal(object)  # the `Recording` on screen, or None
     reading = Signal()
     pointed = Signal(object)  # the `Mark` under the mouse, or None
+    clicked = Signal(object)  # the `Mark` that is clicked
     moved = Signal(int)  # the ping on top
 
     def __init__(
@@ -95,7 +97,9 @@ class RecordingPlayer:
         )
 
     def close(self) -> None:
-        """Leave the recording."""
+        """Leave the recording, or one that is being read."""
+        self._asked += 1  # what is read is not the newest any more
+        self.wait_for("")
         self.recording, self._record = None, Record(1, 1)
         self.pointed.emit(None)
         self.opened.emit(None)
@@ -131,6 +135,7 @@ class RecordingPlayer:
     def _connect(self) -> None:
         window, view = self._window, self._view
         view.hovered.connect(self._point_at)
+        view.clicked.connect(self._click)
         view.scrolled.connect(self.look_back)
         view.scrubbed.connect(self.go_to)
         window.trace.triggered.connect(view.toggle_trace)
@@ -180,7 +185,13 @@ class RecordingPlayer:
         missing = self._record.missing(self.top, STAMP)
         if missing.size:
             altitude = self.recording.altitude[missing]
-            self._view.show_rows(self._record.put(missing, self.recording.amplitude[missing], STAMP, altitude))
+            try:
+                amplitude = self.recording.amplitude[missing]
+            except SceneError as error:  # its file is gone
+                self.close()
+                self._window.complain(error, lasting=True)
+                return
+            self._view.show_rows(self._record.put(missing, amplitude, STAMP, altitude))
         self._view.show_top(self.top)
         self.moved.emit(self.top)
 
@@ -192,6 +203,10 @@ class RecordingPlayer:
         known = None if self.recording is None or (mark and mark.ping >= self.recording.pings) else mark
         self._view.show_marks(cross=mark if self.recording is None else known)
         self.pointed.emit(known)
+
+    def _click(self, mark: Mark) -> None:
+        if self.recording is not None and mark.ping < self.recording.pings:
+            self.clicked.emit(mark)
 
 
 def _size(path: Path) -> str:

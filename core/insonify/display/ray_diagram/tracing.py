@@ -67,7 +67,7 @@ def trace_ray_diagram(
         caustics=_caustics(fan, ranges, bottom),
         target=target,
         eigenrays=() if target is None else _eigenrays(water, bottom, depth, target),
-        limits=tuple(scene.describe_limits()),
+        limits=(*scene.water.remarks(), *scene.describe_limits()),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Floats
+from insonify.errors import FileWarning, warn_caller
 from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
@@ -21,9 +22,12 @@ LARGEST_SIDE = 16384
 HEIGHT = 8  # bytes of a height
 # Values that programs write where there is no height.
 NODATA = frozenset(
-    sign * value for value in (9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 1e6, 1e20) for sign in (-1.0, 1.0)
+    sign * value
+    for value in (9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0, 2.0**31 - 1.0, 2.0**31, 1e6, 1e20)
+    for sign in (-1.0, 1.0)
 )
-FAR = 1000.0  # m: a customary value closer than that to another height may be a height
+FAR = 1000.0  # a customary value closer than that to another number of the file may be a height
+FINE = 0.02  # a cell in degrees, 2 km, and finer than one of bathymetry in metres
 LEVELS = "dB"  # unit of a mosaic
 SAMPLE = "sample:"
 # File, array, and whether its first row is the northernmost.
@@ -45,9 +49,9 @@ class Grid:
     # (float, float) map coordinates of node (0, 0); None if the file has none.
     corner: tuple[float, float] | None = None
     crs: str = ""  # coordinate reference system of the map, as PROJ takes it; empty if the file names none
-    # Whether the file declares its numbers as depths, positive down, as ``heights`` then are too.
+    # Whether ``heights`` are depths, positive down, as the file declares.
     depths: bool = False
-    unit: str = ""  # of the numbers, as the file names it
+    unit: str = ""  # as the file names it; heights and depths are in metres whatever it was
 
 
 BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(
@@ -64,10 +68,19 @@ def read_grid(path: str) -> Grid:
         grid = _read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
         if not np.isfinite(grid.heights).any():
             raise FileFault("holds no valid height", "check its nodata value")
-        if grid.unit == LEVELS:
-            raise FileFault("holds levels in dB, not heights", "lay the mosaic over a bed with View, Mosaic on the bed")
-        _check_nodata(grid.heights[np.isfinite(grid.heights)])
+        if not grid.crs and grid.spacing and grid.corner and _looks_like_degrees(grid.spacing, grid.corner):
+            advice = (
+                "if they are degrees, name its reference system, for example in a .prj file or with rio edit-info --crs"
+            )
+            text = f"{path}: has no reference system, and its cells of {grid.spacing[0]:g} count as metres; {advice}"
+            warn_caller(FileWarning(text))
     return grid
+
+
+def _looks_like_degrees(spacing: tuple[float, float], corner: tuple[float, float]) -> bool:
+    """Whether cells are fine for metres and lie away from the origin, at a possible longitude and latitude."""
+    east, north = map(abs, corner)
+    return spacing[0] < FINE < 0.01 * max(east, north) and east <= 360.0 and north <= 90.0
 
 
 def _read_sample(path: str) -> Grid:
@@ -83,14 +96,14 @@ def _read_sample(path: str) -> Grid:
     return Grid(np.ascontiguousarray(heights[::-1]) if northern_first else heights)
 
 
-def _check_nodata(heights: Floats) -> None:
+def check_nodata(heights: NDArray[Any]) -> None:
     """Raise FileFault for an undeclared customary nodata value that stands alone or far from all other heights."""
-    for value in (heights.min(), heights.max()):
+    for value in {float(heights.min()), float(heights.max())} & NODATA if heights.size else ():
         others = heights[heights != value]
-        if value in NODATA and np.abs(others - value).min(initial=np.inf) > FAR:
+        if np.abs(others - value).min(initial=np.inf) > FAR:
             raise FileFault(
-                f"has {heights.size - others.size} cells of {value:g}, which it does not declare as nodata",
-                f"declare it, for example with gdal_edit.py -a_nodata {value:g}, or set those cells to NaN",
+                f"has {heights.size - others.size} cells of {value:.15g}, which it does not declare as nodata",
+                f"declare it, for example with gdal_edit.py -a_nodata {value:.15g}, or set those cells to NaN",
             )
 
 
@@ -102,6 +115,7 @@ def check_heights(array: NDArray[Any]) -> Floats:
     check_size(array.shape)
     heights = array.astype(np.float64)
     heights[~np.isfinite(heights)] = np.nan
+    check_nodata(heights[np.isfinite(heights)])
     return heights
 
 

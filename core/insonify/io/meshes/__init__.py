@@ -17,6 +17,7 @@ __all__ = ["MESHES", "bounds_bodies", "has_area", "read_mesh"]
 MESHES: FormatRegistry[Floats] = FormatRegistry(
     "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
 )
+REMEDY = "export it again as OBJ, STL, PLY or glTF"
 MOST_TRIANGLES = 2_000_000  # more must be decimated first
 FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
 FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
@@ -24,21 +25,36 @@ FLAT = 1e-12  # height of a triangle over its longest side, below which its area
 
 def read_mesh(path: str) -> Floats:
     """Read the triangles of a file."""
-    return _read_triangles(str(bundled_meshes().get(path, Path(path))))
+    return _read_triangles(str(bundled_meshes().get(path, Path(path))))[0]
+
+
+def bounds_bodies(path: str) -> bool:
+    """Whether the triangles of a file are the whole surface of one body or several."""
+    return _read_triangles(str(bundled_meshes().get(path, Path(path))))[1]
 
 
 @kept_until_changed(maxsize=8)
-def _read_triangles(path: str) -> Floats:
+def _read_triangles(path: str) -> tuple[Floats, bool]:
     with MESHES.guarded(path):
         corners = MESHES.read(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")
-        if len(corners) > MOST_TRIANGLES:
-            raise FileFault(f"has {len(corners)} triangles", f"thin it to at most {MOST_TRIANGLES}")
+        check_count(len(corners))
         if not (np.abs(corners) < FARTHEST).all():
             raise FileFault(f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
-        corners = corners[has_area(corners)]
-        if not len(corners):
+        whole = has_area(corners)
+        if not whole.any():
             raise FileFault("holds no triangles", "check that it is whole and holds surfaces")
-    return _wind_outwards(corners)
+    wound, closed = _wind_outwards(corners[whole])
+    if not closed and not whole.all():
+        # Triangles without area may close a surface: those that join an edge to several along it.
+        other, closed = _wind_outwards(corners)
+        wound = other[has_area(other)] if closed else wound
+    return wound, closed
+
+
+def check_count(count: int) -> None:
+    """Raise FileFault for too many triangles, which readers check before they read them."""
+    if count > MOST_TRIANGLES:
+        raise FileFault(f"has {count} triangles", f"thin it to at most {MOST_TRIANGLES}")
 
 
 def has_area(corners: Floats) -> Booleans:
@@ -49,42 +65,45 @@ def has_area(corners: Floats) -> Booleans:
     return np.asarray(area > FLAT * longest_squared)
 
 
-def _wind_outwards(corners: Floats) -> Floats:
-    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside."""
-    n, faces = len(corners), _numbered(corners.reshape(-1, 3)).reshape(-1, 3)
-    first, second, alike = _neighbours(faces)
+def _wind_outwards(corners: Floats) -> tuple[Floats, bool]:
+    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside.
+
+    Return also whether all surfaces are closed and hold a volume.
+    """
+    faces = _numbered(corners.reshape(-1, 3)).reshape(-1, 3)
+    distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    corners, faces, n = corners[distinct], faces[distinct], int(distinct.sum())
+    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    forward = begin < end
+    # An edge begins at each corner; equal edges come together.
+    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
+    order = np.argsort(edge, kind="stable")
+    starts = np.flatnonzero(np.diff(edge[order], prepend=-1))
+    times = np.diff(starts, append=order.size)
+    pairs = order[starts[times == 2, None] + [0, 1]]  # edges that no third triangle shares
+    first, second = np.ascontiguousarray(pairs.T) // 3
     surface = _components(first, second, n)
     # Triangles to reverse are found on the double cover, which holds every triangle once in either winding.
-    side = np.where(alike, 0, n)
+    side = np.where(forward[pairs[:, 0]] != forward[pairs[:, 1]], 0, n)
     cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
     _, leaders = np.unique(surface, return_index=True)
     one_sided = cover[:n] == cover[n:]
     flipped = (cover[:n] != cover[leaders][surface]) & ~one_sided
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
-    closed, volume = _measure_surfaces(wound, np.where(flipped[:, None], faces[:, ::-1], faces), surface)
+    # A closed surface runs along every edge as often in one sense as in the other.
+    sense = np.where(forward ^ np.repeat(flipped, 3), 1.0, -1.0)
+    closed = np.ones(leaders.size, np.bool_)
+    closed[surface[first[sense[pairs].sum(axis=1) != 0.0]]] = False
+    others = order[np.repeat(times != 2, times)]
+    of = surface[others // 3]
+    _, place = np.unique(np.stack([edge[others], of]), axis=1, return_inverse=True)
+    closed[of[np.bincount(place.ravel(), weights=sense[others])[place.ravel()] != 0.0]] = False
+    # Six times the signed volume, summed over tetrahedra from the centroid.
+    a, b, c = np.moveaxis(wound - wound.mean(axis=(0, 1)), 1, 0)
+    volume = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1))
     inside_out = closed & (volume < 0.0)
-    return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
-
-
-def bounds_bodies(corners: Floats) -> bool:
-    """Whether triangles, wound outwards, are the whole surface of one body or several."""
-    faces = _numbered(corners.reshape(-1, 3)).reshape(-1, 3)
-    first, second, _ = _neighbours(faces)
-    closed, volume = _measure_surfaces(corners, faces, _components(first, second, len(faces)))
-    return bool((closed & (volume > 0.0)).all())
-
-
-def _measure_surfaces(corners: Floats, faces: Integers, surface: Integers) -> tuple[Booleans, Floats]:
-    """Whether each surface runs along every edge as often in one sense as in the other; six times its signed volume."""
-    edge, _, forward = _edges(faces)
-    of = np.repeat(surface, 3)
-    _, place = np.unique(edge * (surface.max() + 1) + of, return_inverse=True)
-    closed = np.ones(surface.max() + 1, np.bool_)
-    closed[of[np.bincount(place, weights=np.where(forward, 1.0, -1.0))[place] != 0.0]] = False
-    # Summed over tetrahedra from the centroid.
-    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
-    volume: Floats = np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)).astype(np.float64)
-    return closed, volume
+    outwards = np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
+    return outwards, bool((closed & (volume != 0.0)).all())
 
 
 def _numbered(points: Floats) -> Integers:
@@ -94,22 +113,6 @@ def _numbered(points: Floats) -> Integers:
     number = np.empty(len(points), dtype=np.int64)
     number[order] = np.concatenate([[0], np.cumsum(is_new)])
     return number
-
-
-def _neighbours(faces: Integers) -> tuple[Integers, Integers, Booleans]:
-    """Pairs of triangles with an edge that no third one shares, and whether they run along it in opposite senses."""
-    edge, times, forward = _edges(faces)
-    order = np.argsort(edge, kind="stable")
-    pairs = order[times[edge[order]] == 2].reshape(-1, 2)
-    return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
-
-
-def _edges(faces: Integers) -> tuple[Integers, Integers, Booleans]:
-    """Return the edge that begins at each corner, how often each edge occurs, and in which sense it runs there."""
-    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
-    _, edge, times = np.unique(edge, return_inverse=True, return_counts=True)
-    return edge, times, begin < end
 
 
 def _components(first: Integers, second: Integers, n: int) -> Integers:

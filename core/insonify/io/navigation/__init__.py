@@ -3,7 +3,7 @@
 A format is one module here that holds a `FileFormat`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,8 @@ LIMITS = {
     "longitude": ("°", 360.0),
     "latitude": ("°", 90.0),
 }
+FASTEST = 50.0  # m/s, above which a track is doubtful
+STILL, STILL_EXTENT = 0.05, 5.0  # m/s and m, within which a track stands still, beside the noise of its fixes
 Columns = dict[str, Floats]
 NAVIGATION: FormatRegistry[Columns] = FormatRegistry(
     "a recorded navigation",
@@ -46,6 +48,7 @@ class RecordedNavigation:
     # Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.
     columns: Mapping[str, Floats]
     place: Georeference | None = None  # where x and y lie on Earth; None if they are those of the scene
+    remarks: tuple[str, ...] = ()  # what was changed or is doubtful
 
 
 def read_navigation(path: str) -> RecordedNavigation:
@@ -64,16 +67,73 @@ def read_navigation(path: str) -> RecordedNavigation:
                 raise FileFault(f"has only one of {one} and {other}", "give both or neither")
         if "heading" in found and "compass" in found:
             raise FileFault("has both heading and compass", "give one of them")
+        found, remarks = _with_increasing_times(found)
         _check_columns(found)
         if "compass" in found:  # degrees clockwise from north
             found["heading"] = 90.0 - np.degrees(np.unwrap(np.radians(found.pop("compass"))))
         time = found.pop("time")
-        longitude, latitude = found.pop("longitude", None), found.pop("latitude", None)
-        if "x" in found or longitude is None or latitude is None:
-            return RecordedNavigation(time - time[0], found)
-        place = local_georeference(float(longitude[0]), float(latitude[0]))
-        found["x"], found["y"] = from_degrees(place, longitude, latitude)
-        return RecordedNavigation(time - time[0], found, place)
+        time = time - time[0]
+        longitude, latitude, place = found.pop("longitude", None), found.pop("latitude", None), None
+        if "x" not in found and longitude is not None and latitude is not None:
+            place = local_georeference(float(longitude[0]), float(latitude[0]))
+            found["x"], found["y"] = from_degrees(place, longitude, latitude)
+        return RecordedNavigation(time, found, place, (*remarks, *_doubts(time, found)))
+
+
+def _with_increasing_times(found: Columns) -> tuple[Columns, list[str]]:
+    """Columns without rows that repeat others or lack a fix, with the rows of one tick of a clock spread over it."""
+    remarks: list[str] = []
+    time = found["time"]
+    uneven = any(column.size != time.size for column in found.values())
+    if uneven or time.size < 2 or not np.isfinite(time).all():
+        return found, remarks  # `_check_columns` names the fault
+    if (np.diff(time) <= 0.0).all() and time[0] > time[-1]:
+        found, time = {name: column[::-1] for name, column in found.items()}, time[::-1]
+        remarks.append("its rows go from the last to the first and are reversed")
+    table = np.stack([*found.values()])
+    keep = np.append(True, (table[:, 1:] != table[:, :-1]).any(axis=0))
+    if "longitude" in found:
+        lost = (found["longitude"] == 0.0) & (found["latitude"] == 0.0)
+        if lost.any() and not lost.all():
+            remarks.append(f"{int(lost.sum())} of {time.size} rows have no fix (0°, 0°) and are left out")
+            keep &= ~lost
+    found = {name: column[keep] for name, column in found.items()}
+    ticks, first, counts = np.unique(found["time"], return_index=True, return_counts=True)
+    if (counts > 1).any() and ticks.size > 1 and (np.diff(found["time"]) >= 0.0).all():
+        apart = np.diff(ticks)
+        tick = np.minimum(np.append(apart, apart[-1]), np.median(apart))  # a gap is no tick
+        within = np.arange(found["time"].size) - np.repeat(first, counts)
+        found["time"] = found["time"] + within * np.repeat(tick / counts, counts)
+        remarks.append(f"its clock has one time for several rows, which are spread over the tick: {(counts - 1).sum()}")
+    return found, remarks
+
+
+def _doubts(time: Floats, found: Columns) -> Iterator[str]:
+    """Describe tracks that stand still, are too fast, or whose headings count as a compass does."""
+    if "x" not in found:
+        return
+    x, y = found["x"], found["y"]
+    extent = float(np.hypot(np.ptp(x), np.ptp(y)))
+    if extent <= min(STILL * time[-1], STILL_EXTENT):
+        lack = "" if "heading" in found else ", and its course is no heading"
+        yield f"it stands still: its positions lie within {extent:.3g} m in {time[-1]:.4g} s{lack}"
+        return
+    steps = np.hypot(np.diff(x), np.diff(y))
+    speeds = steps / np.diff(time)
+    if speeds.max() > FASTEST:
+        row = int(speeds.argmax())
+        yield (
+            f"it goes {steps[row]:.4g} m in {np.diff(time)[row]:.3g} s from row {row + 1} to row {row + 2}, "
+            f"{speeds[row]:.3g} m/s: is that a wrong fix, or are its times not in seconds?"
+        )
+    if "heading" in found:
+        # Means of cosines between heading and course, by distance.
+        course, heading = np.arctan2(np.diff(y), np.diff(x)), np.radians(found["heading"][1:])
+        ahead, by_compass = (
+            np.average(np.cos(each - course), weights=steps) for each in (heading, np.pi / 2 - heading)
+        )
+        if by_compass > 0.9 and ahead < 0.5:
+            yield "its heading fits its course only if it counts clockwise from north; then name the column compass"
 
 
 def _check_columns(found: Mapping[str, Floats]) -> None:

@@ -1,16 +1,17 @@
 """Bottom track: altitude of the sonar from the first echo of the bed in the record itself."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
-from insonify.arrays import Dataset, Floats, Integers, Singles
+from insonify.arrays import Dataset, Echoes, Floats, Integers, Singles
 
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
 STEADY = 1.0  # cost, in misclassified bins, of a change of altitude by one bin from ping to ping
 FAINTEST = 1e-8  # of the strongest echo of a ping; below it counts as silence
 GROUP = 16  # pings that are split into loud and quiet bins together
+TOGETHER = 2**22  # sums that are in memory at once
 FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which there is no bottom track
 
 
@@ -20,10 +21,10 @@ def find_altitude(record: Dataset) -> Floats:
     altitude = record["platform_altitude"].values.astype(np.float64)
     if BOTTOM_TRACK in record and not np.isfinite(altitude).any():
         return record[BOTTOM_TRACK].values.astype(np.float64)
-    return complete_altitude(altitude, record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
+    return complete_altitude(altitude, record.variables["intensity"], 2.0 * float(record["slant_range"].values[0]))
 
 
-def complete_altitude(altitude: Floats, intensity: Singles, bin_length: float) -> Floats:
+def complete_altitude(altitude: Floats, intensity: Echoes, bin_length: float) -> Floats:
     """Complete recorded altitudes: where some are unknown, by the lowest one; where all are, by the bottom track."""
     known = altitude[np.isfinite(altitude)]
     if known.size:
@@ -31,21 +32,35 @@ def complete_altitude(altitude: Floats, intensity: Singles, bin_length: float) -
     return track_bottom(intensity, bin_length)
 
 
-def track_bottom(intensity: Singles, bin_length: float) -> Floats:
+def track_bottom(intensity: Echoes, bin_length: float) -> Floats:
     """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar."""
     # Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
     # bins before it and loud ones behind. Its course along the track is the one with the fewest misclassified bins,
     # plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
     # transmitted pulse, or a shadow at nadir does not displace it.
-    width = max(round(BEHIND * intensity.shape[2]), 1)
-    groups = (intensity[:, first : first + GROUP] for first in range(0, intensity.shape[1], GROUP))  # one in memory
-    at = np.arange(intensity.shape[2] - width + 1)
-    # The score of an edge before each bin: loud less quiet bins within a width behind it, less those before it.
-    sums = (np.append(np.zeros((len(kinds), 1)), np.cumsum(kinds, axis=1), axis=1) for kinds in map(_kinds, groups))
-    scores = (score for total in sums for score in total[:, at + width] - 2.0 * total[:, at])
-    edges = _steadiest(scores, intensity.shape[1])
-    if not np.median(_contrast(intensity, edges, width)) >= FAINT:
-        return np.full(len(edges), np.nan)
+    _, pings, bins = intensity.shape
+    width = max(round(BEHIND * bins), 1)
+    block = GROUP * max(TOGETHER // (GROUP * bins), 1)
+    first_pings = range(0, pings, block)
+    # Sums of scores forwards, of which the last ones of every block are kept; then the course backwards.
+    last: Singles | None = None
+    starts: list[Singles | None] = []
+    best = np.empty((0, 0), dtype=np.float32)
+    for first in first_pings:
+        starts.append(last)
+        best = _sum_scores(np.asarray(intensity[:, first : first + block]), width, last)
+        last = best[-1].copy()
+    edges, contrast = np.empty(pings, dtype=np.int64), np.empty(pings)
+    behind: int | None = None
+    for first, start in zip(reversed(first_pings), reversed(starts)):
+        echoes, some = np.asarray(intensity[:, first : first + block]), slice(first, first + block)
+        if first != first_pings[-1]:
+            best = _sum_scores(echoes, width, start)
+        edges[some] = _trace_back(best, behind)
+        contrast[some] = _contrast(echoes, edges[some], width)
+        behind = int(edges[first])
+    if not np.median(contrast) >= FAINT:
+        return np.full(pings, np.nan)
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
 
 
@@ -81,20 +96,33 @@ def _contrast(intensity: Singles, edges: Integers, width: int) -> Floats:
     return 10.0 * np.log10(ratio) * (edges > 0)
 
 
-def _steadiest(scores: Iterator[Floats], pings: int) -> Integers:
-    """Bins of the course with the greatest score in all, less the cost of its changes."""
+def _sum_scores(echoes: Singles, width: int, last: Singles | None) -> Singles:
+    """Greatest scores in all of the courses that end in each bin, (pings, bins), after those of the ping before."""
     # The best predecessor of every bin at a linear cost follows from running maxima from either side.
-    first = next(scores)
-    slope = STEADY * np.arange(first.size)
-    best = np.empty((pings, first.size), dtype=np.float32)
-    best[0] = first
-    for ping, score in enumerate(scores, start=1):
-        last = best[ping - 1] - best[ping - 1].max()  # sums that stay small are exact
-        rising = np.maximum.accumulate(last + slope) - slope
-        falling = np.maximum.accumulate((last - slope)[::-1])[::-1] + slope
-        best[ping] = score + np.maximum(rising, falling)
-    course = np.empty(pings, dtype=np.int64)
-    course[-1] = np.argmax(best[-1])
-    for ping in range(pings - 2, -1, -1):
-        course[ping] = np.argmax(best[ping] - np.abs(slope - slope[course[ping + 1]]))
+    at = np.arange(echoes.shape[2] - width + 1)
+    slope = STEADY * np.arange(at.size)
+    best = np.empty((echoes.shape[1], at.size), dtype=np.float32)
+    for group in range(0, len(best), GROUP):
+        kinds = _kinds(echoes[:, group : group + GROUP])
+        total = np.append(np.zeros((len(kinds), 1)), np.cumsum(kinds, axis=1), axis=1)
+        # The score of an edge before each bin: loud less quiet bins within a width behind it, less those before it.
+        for ping, score in enumerate(total[:, at + width] - 2.0 * total[:, at], start=group):
+            if last is not None:
+                last = last - last.max()  # sums that stay small are exact
+                rising = np.maximum.accumulate(last + slope) - slope
+                falling = np.maximum.accumulate((last - slope)[::-1])[::-1] + slope
+                score = score + np.maximum(rising, falling)
+            best[ping] = score
+            last = best[ping]
+    return best
+
+
+def _trace_back(best: Singles, behind: int | None) -> Integers:
+    """Bins of the course with the greatest score in all, less the cost of its changes, before the bin of a ping."""
+    slope = STEADY * np.arange(best.shape[1])
+    course = np.empty(len(best), dtype=np.int64)
+    for ping in range(len(best) - 1, -1, -1):
+        score = best[ping] if behind is None else best[ping] - np.abs(slope - slope[behind])
+        behind = int(np.argmax(score))
+        course[ping] = behind
     return course

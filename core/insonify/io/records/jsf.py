@@ -3,16 +3,16 @@
 Offsets and units of fields: EdgeTech, JSF Data File Description, 0023492 rev. M (2024).
 """
 
-from collections.abc import Iterator
+import math
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Booleans, Bytes, Dataset, Singles
-from insonify.io.file_access import FileFault
+from insonify.arrays import Booleans, Dataset, Floats
+from insonify.io.file_access import FileFault, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.records import recording
 
@@ -47,101 +47,105 @@ TRACE = _layout(240, {
 })  # fmt: skip
 
 
-class _Trace(NamedTuple):
-    """One side of one ping of one subsystem."""
+# Fields of the headers of pings that are kept.
+KEPT = np.dtype([(name, TRACE[name]) for name in (
+    "time", "ping", "validity", "x", "y", "units", "depth", "altitude", "heading", "pitch", "roll", "milliseconds"
+)])  # fmt: skip
 
-    subsystem: int
-    row: int  # 0 port, 1 starboard
-    header: Any  # record of TRACE
-    frequency: float  # Hz
-    side: recording.SideEchoes
+
+class _Band:
+    """Side-scan messages of one subsystem, each one side of one ping."""
+
+    def __init__(self, frequency: float, sound_speed: float) -> None:
+        self.frequency, self.sound_speed = frequency, sound_speed  # Hz and m/s, of the first
+        self.index, self.headers = recording.EchoIndex(), bytearray()
 
 
 def read_jsf(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a side-scan recording of EdgeTech."""
     # Samples are envelopes, or magnitudes of analytic signals, scaled by their weights; ``intensity`` is their square.
     path = Path(path)
-    traces = list(_traces(path, np.fromfile(path, dtype=np.uint8)))
-    if not traces:
+    formats: dict[recording.SideFormat, int] = {}
+    with open_regular(path) as file:
+        bands = _read_messages(path, file, formats)
+    if not bands:
         raise FileFault("holds no side-scan pings", "give a recording of subsystem 20, 21 or 22")
-    frequencies = {trace.subsystem: trace.frequency for trace in reversed(traces)}
-    band, attributes = recording.choose_band(dict(sorted(frequencies.items())), frequency)
-    sides: dict[int, dict[int, recording.SideEchoes]] = {}
-    headers: dict[int, Any] = {}
-    for trace in traces:
-        if trace.subsystem == band:
-            sides.setdefault(int(trace.header["ping"]), {})[trace.row] = trace.side
-            headers.setdefault(int(trace.header["ping"]), trace.header)
-    last = next(reversed(sides))
-    if len(sides[last]) < len(next(iter(sides.values()))):  # the recording ends between port and starboard
-        del sides[last], headers[last]
-    track = _track(np.array(list(headers.values()), dtype=TRACE))
+    number, attributes = recording.choose_band({name: bands[name].frequency for name in sorted(bands)}, frequency)
+    band = bands[number]
+    headers = np.frombuffer(band.headers, dtype=KEPT)
+    del bands
+    numbers, stamps = headers["ping"].astype(np.int64), 86_400_000 * headers["time"].astype(np.int64)
+    begins, sides = recording.join_sides(band.index.columns(), numbers, stamps + headers["milliseconds"])
+    track = _track(path, headers[begins])
     track.attributes.update(attributes)
-    return recording.assemble(path, list(sides.values()), track)
+    return recording.assemble(path, formats, sides, track, band.sound_speed)
 
 
-def _traces(path: Path, content: Bytes) -> Iterator[_Trace]:
-    """Yield the side-scan traces, message by message."""
-    at, whole = 0, 0
-    while at < content.size:
-        start = content[at : at + MESSAGE.itemsize]
-        message = start.view(MESSAGE)[0] if start.size == MESSAGE.itemsize else None
+def _read_messages(path: Path, file: BinaryIO, formats: dict[recording.SideFormat, int]) -> dict[int, _Band]:
+    """Read the headers of all messages, and note where the echoes of each side-scan subsystem are."""
+    bands: dict[int, _Band] = {}
+    size, at, whole = file.seek(0, 2), 0, 0
+    while at < size:
+        file.seek(at)
+        start = file.read(MESSAGE.itemsize)
+        message = np.frombuffer(start, dtype=MESSAGE)[0] if len(start) == MESSAGE.itemsize else None
         if message is not None and message["marker"] != MARKER:
             raise FileFault(f"holds no JSF message at byte {at}", "copy or export it again")
-        if message is None or at + MESSAGE.itemsize + int(message["size"]) > content.size:
+        if message is None or at + MESSAGE.itemsize + int(message["size"]) > size:
             recording.warn_of_cut(path, at, whole)
-            return
-        body = content[at + MESSAGE.itemsize : at + MESSAGE.itemsize + int(message["size"])]
+            return bands
+        at += MESSAGE.itemsize
+        length = int(message["size"])
         if message["type"] == SONAR_DATA and message["subsystem"] in SIDE_SCAN and message["channel"] in (0, 1):
             whole += 1
-            yield _trace(message, body)
-        at += MESSAGE.itemsize + body.size
+            if length < TRACE.itemsize:
+                raise FileFault("has a ping too short for its header", "export it again")
+            header = np.frombuffer(file.read(TRACE.itemsize), dtype=TRACE)[0]
+            form, reach, frequency, speed = _side_format(message, header, length - TRACE.itemsize)
+            if form.unchecked:
+                recording.check_amplitudes(int(header["ping"]), form, file.read(form.stored))
+            band = bands.setdefault(int(message["subsystem"]), _Band(frequency, speed))
+            number = formats.setdefault(form, len(formats))
+            band.index.add({int(message["channel"]): recording.Side(at + TRACE.itemsize, number, reach)})
+            band.headers += np.array([header], dtype=TRACE)[list(KEPT.names or ())].astype(KEPT).tobytes()
+        at += length
+    return bands
 
 
-def _trace(message: Any, body: Bytes) -> _Trace:
-    """Scale the samples of a message and determine their slant range."""
-    if body.size < TRACE.itemsize:
-        raise FileFault("has a ping too short for its header", "export it again")
-    header = body[: TRACE.itemsize].view(TRACE)[0]
-    high = int(header["more"]) if message["version"] >= MORE_BITS else 0
-    envelope = _envelope(header, int(header["samples"]) + 65536 * (high >> 8 & 0xF), body[TRACE.itemsize :])
-    skipped = int(header["skipped"])
-    fraction = int(header["fraction"] & 0xFF) / 256.0 if message["version"] >= FRACTIONS else 0.0
-    step = 1e-9 * (int(header["interval"]) + fraction)
-    speed = recording.plausible_speed(float(header["speed"]))
-    if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + envelope.size) < 100.0:
-        raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
-    # Samples of the time between transmission and recording are silent.
-    amplitude = np.concatenate([np.zeros(skipped, dtype=np.float32), envelope])
-    recording.check_amplitude(int(header["ping"]), amplitude)
-    swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
-    side = recording.SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
-    return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
-
-
-def _envelope(header: Any, count: int, body: Bytes) -> Singles:
-    """Return the amplitudes of a message."""
-    kind = int(header["format"])
+def _side_format(message: Any, header: Any, stored: int) -> tuple[recording.SideFormat, float, float, float]:
+    """Determine the format of the samples of a message, slant range, carrier frequency and sound speed."""
+    kind, numbers = int(header["format"]), 1 + (header["format"] == ANALYTIC)
     if kind not in (ENVELOPE, ANALYTIC):
         raise FileFault(
             f"has data of format {kind} in ping {header['ping']}, which is not an envelope",
             "export it as envelope or as XTF",
         )
-    values = (1 + (kind == ANALYTIC)) * count
-    if count == 0 or 2 * values > body.size:
+    high = int(header["more"]) if message["version"] >= MORE_BITS else 0
+    count = int(header["samples"]) + 65536 * (high >> 8 & 0xF)
+    if count == 0 or 2 * numbers * count > stored:
         raise FileFault(f"has a ping with less than the {count} samples it announces", "export it again")
-    samples = body[: 2 * values].view("<i2").astype(np.float64)
-    magnitude = np.abs(samples) if kind == ENVELOPE else np.hypot(samples[::2], samples[1::2])
-    return np.ldexp(magnitude, -int(np.clip(header["weight"], -40, 40))).astype(np.float32)
+    fraction = int(header["fraction"] & 0xFF) / 256.0 if message["version"] >= FRACTIONS else 0.0
+    step = 1e-9 * (int(header["interval"]) + fraction)
+    speed = recording.plausible_speed(float(header["speed"]))
+    # Samples of the time between transmission and recording are silent.
+    skipped = int(header["skipped"])
+    if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + count) < 100.0:
+        raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
+    scale = math.ldexp(1.0, -int(np.clip(header["weight"], -40, 40)))
+    swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
+    form = recording.SideFormat("<i2", numbers, count, skipped, False, scale)
+    return form, 0.5 * speed * step * form.samples, 5.0 * swept, speed
 
 
-def _track(headers: NDArray[Any]) -> recording.RecordedTrack:
+def _track(path: Path, headers: NDArray[Any]) -> recording.RecordedTrack:
     """Navigation of the pings, and time and place of the first one where they are recorded."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
     # Seconds since 1970 and milliseconds of the day belong together where they give the same second.
     times = whole + np.where(np.abs(whole % recording.DAY - clock) < 1.5, clock - whole % recording.DAY, 0.0)
-    fixes = _fixes(headers)
+    start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
+    times = recording.spread_ticks(path, times)
+    fixes = _fixes(path, headers, times)
     x, y = fixes.positions(times) or (np.zeros_like(times), np.zeros_like(times))
     attitude, depth, altitude = _valid(headers, ATTITUDE), headers["depth"] / 1e3, headers["altitude"] / 1e3
     columns = (
@@ -150,19 +154,22 @@ def _track(headers: NDArray[Any]) -> recording.RecordedTrack:
         recording.heading_from_compass(headers["heading"] / 100.0, _valid(headers, HEADING)),
         recording.fill_gaps(ANGLE * headers["pitch"], attitude), recording.fill_gaps(ANGLE * headers["roll"], attitude),
     )  # fmt: skip
-    start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
     attributes = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
-    return recording.RecordedTrack(times - times[0], columns, attributes)
+    return recording.RecordedTrack(times, columns, attributes)
 
 
-def _fixes(headers: NDArray[Any]) -> recording.Fixes:
+def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
     """Positions of the pings, in the units of most of them."""
     units, number = np.unique(headers["units"], return_counts=True)
     unit = int(units[np.argmax(number)])
-    scale = MINUTE_OF_ARC if unit == MINUTES else METRES.get(unit, 0.0)
     known = _valid(headers, POSITION) & (headers["units"] == unit)
-    x, y = (np.where(known, scale * headers[axis], 0.0) for axis in ("x", "y"))
-    return recording.Fixes(x, y, unit == MINUTES)
+    declared, degrees = (
+        recording.Fixes(
+            np.where(known, scale * headers["x"], 0.0), np.where(known, scale * headers["y"], 0.0), is_degrees
+        )
+        for scale, is_degrees in ((METRES.get(unit, 0.0), False), (MINUTE_OF_ARC, True))
+    )
+    return degrees if unit == MINUTES else recording.settle_units(path, declared, degrees, times, np.zeros(1))
 
 
 def _valid(headers: NDArray[Any], bit: int) -> Booleans:

@@ -1,16 +1,21 @@
 """Recordings of real sonars: positions with gaps, and the pings of one frequency on a common grid of slant range."""
 
+import errno
+import math
 import os
-import warnings
-from collections.abc import Mapping, Sequence
+from array import array
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
-from insonify.arrays import Booleans, Dataset, Floats, Singles
-from insonify.errors import FileWarning
-from insonify.io.file_access import FileFault
+from insonify.arrays import Booleans, Bytes, Dataset, Floats, Integers, Singles
+from insonify.errors import FileWarning, SceneError, warn_caller
+from insonify.io.file_access import FileFault, open_regular, reason
 from insonify.io.georeference import Georeference, find_georeference, from_degrees, local_georeference
 from insonify.io.record_block import make_record_block
 from insonify.io.record_schema import ACROSS, coordinates, describe, platform
@@ -23,14 +28,132 @@ LOUDEST = 1e18  # the square of an amplitude must fit a float32
 NEAR = 0.1  # relative difference of two frequencies that count as the same
 FARTHEST = 1e8  # m, of any map's coordinates
 DAY = 86400.0  # s
+ABSENT = -1  # format of a side that a ping lacks
+FEW = 2**23  # echoes up to which a recording is held in memory
+TOGETHER = 2**20  # echoes that are decoded at a time
+ALIKE = 4.0  # ratio of two speeds that are the same
+SLOWEST = 0.2  # m/s, of a recorded speed that counts
+SPEEDS = (0.2, 20.0)  # m/s, of a sonar under way
+LEAST_WAY = 20.0  # m, of a speed that counts against positions
+STANDING = 0.05  # share of that way below which positions stand still
+THIN = 16  # pings over which fixes that scatter about a place come back to it
+SPARSE = 16  # times the bytes wanted, in a stretch of a file that is read for them
 
 
-class SideEchoes(NamedTuple):
-    """Echoes of one side of one ping."""
+class SideFormat(NamedTuple):
+    """How a file stores the samples of one side of a ping, and what they are."""
 
-    amplitude: Singles  # (samples,) near to far
+    dtype: str  # of a number
+    numbers: int  # of a sample: 1, or 2 of an analytic signal
+    length: int  # samples
+    silent: int  # samples of the time between transmission and recording, which are not stored
+    far_first: bool  # whether they are stored from far to near
+    scale: float  # amplitude of the number 1
+
+    @property
+    def stored(self) -> int:
+        """Bytes in the file."""
+        return self.numbers * self.length * np.dtype(self.dtype).itemsize
+
+    @property
+    def unchecked(self) -> bool:
+        """Whether the numbers may be no amplitudes: not finite, or too large for their square to be stored."""
+        kind = np.dtype(self.dtype)
+        return kind.kind == "f" or np.iinfo(kind).max * self.numbers * self.scale >= LOUDEST
+
+    @property
+    def samples(self) -> int:
+        """Samples from the transmission on."""
+        return self.silent + self.length
+
+    def decode(self, content: Bytes) -> Singles:
+        """Amplitudes near to far, (pings, samples), from the bytes of some pings, (pings, stored)."""
+        values = np.ascontiguousarray(content).view(self.dtype).astype(np.float64)
+        magnitude = np.abs(values) if self.numbers == 1 else np.hypot(values[:, ::2], values[:, 1::2])
+        amplitude = np.zeros((len(content), self.samples), dtype=np.float32)
+        amplitude[:, self.silent :] = (magnitude * self.scale)[:, :: -1 if self.far_first else 1]
+        return amplitude
+
+
+class Side(NamedTuple):
+    """Echoes of one side of one ping in a file."""
+
+    at: int  # byte at which its samples begin
+    format: int  # number of their `SideFormat`; ABSENT without echoes
     slant_range: float  # m, of its last edge
-    sound_speed: float  # m/s, as the sonar assumed it
+
+
+NO_SIDE = Side(0, ABSENT, 0.0)
+
+
+class SideColumns(NamedTuple):
+    """Echoes of both sides of some pings in a file, (2, pings) each; port first."""
+
+    at: Integers
+    format: NDArray[np.int32]
+    slant_range: Floats
+
+    def take(self, pings: Integers) -> "SideColumns":
+        """Return those of some pings."""
+        return SideColumns(self.at[:, pings], self.format[:, pings], self.slant_range[:, pings])
+
+
+class EchoIndex:
+    """Where a file holds the echoes of the pings of one frequency: 20 bytes a side, whatever its samples."""
+
+    def __init__(self) -> None:
+        self._at, self._format, self._slant_range = array("q"), array("i"), array("d")
+
+    def add(self, sides: Mapping[int, Side]) -> None:
+        """Add a ping by the sides that it has, 0 port and 1 starboard."""
+        for row in (0, 1):
+            side = sides.get(row, NO_SIDE)
+            self._at.append(side.at)
+            self._format.append(side.format)
+            self._slant_range.append(side.slant_range)
+
+    def columns(self) -> SideColumns:
+        """Return the index of all pings."""
+        return SideColumns(
+            np.frombuffer(self._at, dtype=np.int64).reshape(-1, 2).T,
+            np.frombuffer(self._format, dtype=np.int32).reshape(-1, 2).T,
+            np.frombuffer(self._slant_range, dtype=np.float64).reshape(-1, 2).T,
+        )
+
+
+class StoredEchoes(NamedTuple):
+    """Echoes of the pings of a recording in its file."""
+
+    path: Path
+    signature: tuple[int, int]  # length and time of change of the file
+    formats: list[SideFormat]
+    sides: SideColumns
+
+    def intensity(self, pings: Integers, bins: int, bin_length: float) -> Singles:
+        """Squares of the samples of some pings on a grid of slant range, (2, n, bins)."""
+        out = np.zeros((2, pings.size, bins), dtype=np.float32)
+        together = max(TOGETHER // (2 * bins), 1)
+        try:
+            with open_regular(self.path) as file:
+                status = os.fstat(file.fileno())
+                if (status.st_size, status.st_mtime_ns) != self.signature:
+                    raise SceneError(f"{self.path}: has changed since it was opened; open it again")
+                for first in range(0, pings.size, together):
+                    self._lay(file, pings[first : first + together], out[:, first : first + together], bin_length)
+        except (OSError, FileFault) as error:
+            why = error.fault if isinstance(error, FileFault) else reason(error)
+            raise SceneError(f"{self.path}: cannot be read any more ({why}); open it again") from error
+        return np.square(out, out=out)
+
+    def _lay(self, file: BinaryIO, pings: Integers, out: Singles, bin_length: float) -> None:
+        sides = self.sides.take(pings)
+        for row in (0, 1):
+            for number in np.unique(sides.format[row, sides.format[row] != ABSENT]):
+                some, form = np.flatnonzero(sides.format[row] == number), self.formats[number]
+                samples = form.decode(_gather(file, sides.at[row, some], form.stored))
+                for reach in np.unique(sides.slant_range[row, some]):
+                    alike = sides.slant_range[row, some] == reach
+                    _put_on_grid(samples[alike], float(reach), bin_length, out[row], some[alike])
 
 
 class RecordedTrack(NamedTuple):
@@ -47,8 +170,10 @@ def plausible_speed(*speeds: float) -> float:
     return next((speed for speed in speeds if low <= speed <= high), DEFAULT_SPEED)
 
 
-def check_amplitude(ping: int, amplitude: Singles) -> None:
+def check_amplitudes(ping: int, form: SideFormat, content: bytes) -> None:
     """Raise FileFault for samples that are not finite, or too large for their square to be stored."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        amplitude = form.decode(np.frombuffer(content, dtype=np.uint8)[None])
     if not (np.isfinite(amplitude).all() and amplitude.max() < LOUDEST):
         raise FileFault(f"has samples in ping {ping} that are not echoes", "export it again")
 
@@ -57,9 +182,7 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
     """Warn that a recording ends within a packet, at a byte; raise FileFault if no packet before has echoes."""
     if whole == 0:
         raise FileFault(f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
-    warnings.warn(
-        FileWarning(f"{path}: ends within the packet at byte {at}; the whole pings before are read"), stacklevel=2
-    )
+    _warn(path, f"ends within the packet at byte {at}; the whole pings before are read")
 
 
 def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple[int, dict[str, Any]]:
@@ -117,8 +240,76 @@ class Fixes(NamedTuple):
         return fill_gaps(east, moved, times), fill_gaps(north, moved, times)
 
 
+def settle_units(path: Path, declared: Fixes, other: Fixes, times: Floats, speed: Floats) -> Fixes:
+    """Return the fixes in the unit that the file declares, or in the other where only that can be; then warn."""
+    if not declared.known.any() and other.known.any():
+        unit = "degrees" if other.degrees else "metres"
+        _warn(path, f"its positions are those of no place in the unit that it declares; they are read as {unit}")
+        return other
+    if declared.degrees or not other.known[declared.known].all():
+        return declared
+    slow, likely = _course_speed(declared, times), _course_speed(other, times)
+    recorded = float(np.median(speed))
+    least, most = (recorded / ALIKE, recorded * ALIKE) if recorded > SLOWEST else SPEEDS
+    if not (0.0 < slow < 0.1 * least and least < likely < most):
+        return declared
+    _warn(
+        path, f"declares positions in metres, which move by {slow:.2g} m/s; they are read as degrees: {likely:.2g} m/s"
+    )
+    return other
+
+
+def check_advance(path: Path, x: Floats, y: Floats, run: float) -> None:
+    """Warn of positions that stand still while the recorded speed gives a way, in metres."""
+    towed = float(np.hypot(np.diff(x), np.diff(y)).sum())
+    if run > LEAST_WAY and towed < STANDING * run:
+        _warn(path, f"its positions move by {towed:.3g} m, its speed gives {run:.3g} m; the positions are taken")
+
+
+def _course_speed(fixes: Fixes, times: Floats) -> float:
+    """Speed along the fixes in m/s; 0 where they only scatter about a place."""
+    found = fixes.positions(times)
+    if found is None or not times[-1] > 0.0:
+        return 0.0
+    step = min(THIN, times.size - 1)
+    every, thinned = (
+        float(np.hypot(*(np.diff(axis[::some]) for axis in found)).sum() / times[::some][-1]) for some in (1, step)
+    )
+    return thinned if thinned > 0.5 * every else 0.0
+
+
+def _warn(path: Path, sentence: str) -> None:
+    warn_caller(FileWarning(f"{path}: {sentence}"))
+
+
+def spread_ticks(path: Path, clock: Floats) -> Floats:
+    """Seconds from the first ping to each, by a clock that may tick more rarely than the sonar pings."""
+    # The pings of a tick are spread over the time to the next one; a recording without a clock gets a ping a second.
+    number = np.arange(clock.size, dtype=np.float64)
+    back = np.flatnonzero(np.diff(clock) < 0.0)
+    if back.size:
+        _warn(path, f"its clock goes back at ping {back[0] + 1}; it counts again from where it was before")
+        clock = np.maximum.accumulate(clock)
+    if not np.ptp(clock) > 0.0:
+        return number
+    first = np.flatnonzero(np.diff(clock, prepend=-np.inf) > 0.0)  # pings of the ticks
+    if first.size == clock.size:
+        return clock - clock[0]
+    steps = np.diff(clock[first]) / np.diff(first)
+    usual = float(np.median(steps))
+    steps = np.append(np.where(steps > 2.0 * usual, usual, steps), usual)  # a pause is not filled
+    tick = np.repeat(np.arange(first.size), np.diff(first, append=clock.size))
+    times = clock[first][tick] + steps[tick] * (number - first[tick])
+    # The first tick may have begun before the recording.
+    head = int(first[1])
+    times[:head] = clock[head] - np.arange(head, 0, -1) * min(usual, float(clock[head] - clock[0]) / head)
+    return times - times[0]
+
+
 def fill_gaps(values: Floats, known: Booleans, at: Floats | None = None) -> Floats:
     """Interpolate unknown values; NaN if all are unknown."""
+    if known.all():
+        return values
     if not known.any():
         return np.full(values.shape, np.nan)
     at = np.arange(values.size, dtype=np.float64) if at is None else at
@@ -131,38 +322,110 @@ def heading_from_compass(compass: Floats, known: Booleans) -> Floats:
     return (heading + 180.0) % 360.0 - 180.0
 
 
-def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> Dataset:
+def join_sides(sides: SideColumns, numbers: Integers, stamps: Integers) -> tuple[Integers, SideColumns]:
+    """Join sides that a file stores one by one; return the packets that begin a ping, and the sides of these.
+
+    ``numbers`` and ``stamps`` are the ping numbers and the times of the packets, in any unit.
+    """
+    has = sides.format != ABSENT
+    lone = has[0] != has[1]
+    fits = lone[:-1] & lone[1:] & (has[0, :-1] != has[0, 1:])
+    # Both sides of a ping share its number. Where numbers or else times pair no sides, they follow each other.
+    keys = [key for key in (numbers, stamps) if np.ptp(key) > 0]
+    pairs = (_greedy(fits & (key[1:] == key[:-1])) for key in keys)
+    first = next((found for found in pairs if 4 * found.size >= lone.sum()), None)
+    first = _greedy(fits) if first is None else first
+    kept = np.ones(lone.size, dtype=np.bool_)
+    kept[first + 1] = False
+    begins = np.flatnonzero(kept)
+    if first.size:
+        columns: tuple[NDArray[Any], ...] = sides
+        for column in columns:
+            column[:, first] = np.where(has[:, first], column[:, first], column[:, first + 1])
+        whole = (sides.format[:, begins] != ABSENT).all(axis=0)
+        if whole[0] and not whole[-1]:  # the file ends between port and starboard
+            begins = begins[:-1]
+    joined = sides if begins.size == lone.size else sides.take(begins)
+    return begins, joined._replace(
+        format=_without_repeats(joined.format), slant_range=_without_repeats(joined.slant_range)
+    )
+
+
+def _without_repeats(values: NDArray[Any]) -> NDArray[Any]:
+    """Return an array of one value as one that takes no memory."""
+    first = values.flat[0]
+    return np.broadcast_to(first, values.shape) if (values == first).all() else values
+
+
+def _greedy(links: Booleans) -> Integers:
+    """Places of links between neighbours, taken from the first on so that nothing is linked twice."""
+    places = np.flatnonzero(links)
+    begins = np.maximum.accumulate(np.where(np.diff(places, prepend=-2) > 1, places, 0))
+    return places[(places - begins) % 2 == 0]
+
+
+def assemble(
+    path: Path, formats: Iterable[SideFormat], sides: SideColumns, track: RecordedTrack, sound_speed: float
+) -> Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
-    sides = [side for ping in pings for side in ping.values()]
-    bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]
-    bins = max(round(side.slant_range / bin_length) for side in sides)
-    most = max(side.amplitude.size for side in sides)
-    if bins > WIDEST * most:
+    # Echoes stay in the file until they are asked for, unless they are few.
+    status = path.stat()
+    echoes = StoredEchoes(path.absolute(), (status.st_size, status.st_mtime_ns), list(formats), sides)
+    present = sides.format != ABSENT
+    samples = np.array([form.samples for form in echoes.formats])[sides.format[present]]
+    reaches = sides.slant_range[present]
+    bin_length = float(np.partition(reaches / samples, samples.size // 2)[samples.size // 2])
+    bins = round(reaches.max() / bin_length)
+    if bins > WIDEST * samples.max():
         raise FileFault(
             f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
         )
-    amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
-    for number, ping in enumerate(pings):
-        for row, side in ping.items():
-            _lay(amplitude[row, number], side, bin_length)
-    slant_range, intensity = (np.arange(bins) + 0.5) * bin_length, amplitude**2
-    bottom = track_bottom(intensity, bin_length)
-    return make_record_block(
-        {
-            "intensity": (ACROSS, intensity, describe("1", "square of the samples")),
-            BOTTOM_TRACK: (ACROSS[1], bottom, describe("m", "slant range of the first echo of the bed in the record")),
-        }
-        | platform(track.columns, find_georeference(track.attributes)),
-        coordinates(track.times, slant_range, sides[0].sound_speed),
+    del present, samples, reaches
+    shape, slant_range = (2, sides.format.shape[1], bins), (np.arange(bins) + 0.5) * bin_length
+    record = make_record_block(
+        platform(track.columns, find_georeference(track.attributes)),
+        coordinates(track.times, slant_range, sound_speed),
         {"title": os.fsencode(path.name).decode(errors="replace")} | track.attributes,
     ).to_dataset()
+    # lazy: xarray is slow to import
+    from insonify.io.deferred import defer
+
+    intensity = defer(
+        ACROSS, shape, "f4", lambda pings: echoes.intensity(pings, bins, bin_length),
+        describe("1", "square of the samples"),
+    )  # fmt: skip
+    if math.prod(shape) <= FEW:
+        intensity = intensity.load()
+    track_once = cache(lambda: track_bottom(intensity, bin_length))
+    bottom = defer(
+        ACROSS[1:2], shape[1:2], "f8", lambda pings: track_once()[pings],
+        describe("m", "slant range of the first echo of the bed in the record"),
+    )  # fmt: skip
+    if math.prod(shape) <= FEW:
+        bottom = bottom.load()
+    names = ["intensity", BOTTOM_TRACK, *record.data_vars]
+    return record.assign({"intensity": intensity, BOTTOM_TRACK: bottom})[names]
 
 
-def _lay(row: Singles, side: SideEchoes, bin_length: float) -> None:
-    """Store a side in its row; one of another bin length is interpolated."""
-    samples, step = side.amplitude, side.slant_range / side.amplitude.size
-    if abs(side.slant_range - samples.size * bin_length) < 0.5 * bin_length:
-        row[: samples.size] = samples[: row.size]
+def _gather(file: BinaryIO, at: Integers, size: int) -> Bytes:
+    """Read as many bytes from some places of a file on, (places, size)."""
+    first, last = int(at.min()), int(at.max()) + size
+    if at.size > 1 and last - first > SPARSE * at.size * size:
+        return np.concatenate([_gather(file, half, size) for half in np.array_split(at, 2)])
+    file.seek(first)
+    content = np.frombuffer(file.read(last - first), dtype=np.uint8)
+    if content.size < last - first:
+        raise OSError(errno.EIO, "it has become shorter")
+    return sliding_window_view(content, size)[at - first]
+
+
+def _put_on_grid(samples: Singles, slant_range: float, bin_length: float, out: Singles, pings: Integers) -> None:
+    """Lay samples, (n, samples), in the rows of some pings; those of another bin length are interpolated."""
+    count, bins = samples.shape[1], out.shape[1]
+    if abs(slant_range - count * bin_length) < 0.5 * bin_length:
+        out[pings, :count] = samples[:, :bins]
         return
-    count = min(round(side.slant_range / bin_length), row.size)
-    row[:count] = np.interp((np.arange(count) + 0.5) * bin_length, (np.arange(samples.size) + 0.5) * step, samples)
+    wanted, step = min(round(slant_range / bin_length), bins), slant_range / count
+    places, known = (np.arange(wanted) + 0.5) * bin_length, (np.arange(count) + 0.5) * step
+    for ping, row in zip(pings, samples):
+        out[ping, :wanted] = np.interp(places, known, row)

@@ -8,13 +8,15 @@ from insonify.compiler.jit import inlined, kernel
 
 
 @kernel
-def add_samples(swath, corner, cell, longest, energy, ground_range, count):
+def add_samples(swath, pings, corner, cell, longest, energy, ground_range, count):
     """Add the samples of a record, half a cell apart at most, to the cells that hold them.
 
     Parameters
     ----------
     swath : Swath
         The pings of a record as lines on the map.
+    pings : int
+        How many of them are added; the next one, if there is one, ends the interval behind the last.
     corner : ndarray of float64, shape (2,)
         Lower left corner of the cells on the map, m.
     cell : float
@@ -22,8 +24,8 @@ def add_samples(swath, corner, cell, longest, energy, ground_range, count):
     longest : float
         Distance between successive pings up to which what lies between them is interpolated, m.
     energy, ground_range : ndarray of float64, shape (rows, columns)
-        Sums over the samples of a cell, added to; the southernmost row first.
-    count : ndarray of int64, shape (rows, columns)
+        Sums over the samples of a cell, added to; the southernmost row first. ``ground_range`` may be empty.
+    count : ndarray of int32, shape (rows, columns)
         Samples of a cell, added to.
     """
     step = min(0.5 * cell, swath.bin_length)
@@ -31,7 +33,7 @@ def add_samples(swath, corner, cell, longest, energy, ground_range, count):
     here, there = np.empty((2, samples)), np.empty((2, samples))
     last = swath.altitude.size - 1
     _read_energy(swath, 0, step, there)
-    for ping in range(last + 1):
+    for ping in range(pings):
         following = min(ping + 1, last)
         here[:] = there
         _read_energy(swath, following, step, there)
@@ -58,7 +60,8 @@ def add_samples(swath, corner, cell, longest, energy, ground_range, count):
                     if math.isfinite(sample) and 0.0 <= column < count.shape[1] and 0.0 <= row < count.shape[0]:
                         at = int(row), int(column)
                         energy[at] += sample
-                        ground_range[at] += distance
+                        if ground_range.size > 0:
+                            ground_range[at] += distance
                         count[at] += 1
 
 

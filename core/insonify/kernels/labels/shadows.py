@@ -24,11 +24,12 @@ class ShadowTable(NamedTuple):
 
     present: NDArray[np.bool_]  # (targets,)
     energy: NDArray[np.float64]  # (targets, bins)
+    listed: NDArray[np.int64]  # (targets,) room to list those present
 
 
 def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
     """Make room for one side of a ping; memory of targets that hide nothing is never touched."""
-    return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)))
+    return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)), np.empty(targets, np.int64))
 
 
 @inlined_uncounted
@@ -46,14 +47,19 @@ def label_shadows(shadows, contributions, materials, labels, place, side):
     share[:], target[:] = 0.0, NO_TARGET
     if not shadows.present.any():
         return
+    listed, count = shadows.listed, 0  # few of many targets
+    for row in range(shadows.present.size):
+        if shadows.present[row]:
+            listed[count] = row
+            count += 1
     for k in range(share.size):
         hidden, most, best = 0.0, 0.0, NO_TARGET
-        for row in range(shadows.present.size):
-            if shadows.present[row]:
-                energy = shadows.energy[row, k]
-                hidden += energy
-                if energy > most:
-                    most, best = energy, row
+        for i in range(count):
+            row = listed[i]
+            energy = shadows.energy[row, k]
+            hidden += energy
+            if energy > most:
+                most, best = energy, row
         if hidden > 0.0:
             seen = 0.0  # echo of the visible bed by the direct path
             for row in range(materials):

@@ -145,6 +145,40 @@ def smooth_noise(pings, spacing, nodes, start, per_bin, first, noise, out):
                 out_imaginary[ping, side, first + k] *= scale
 
 
+@kernel
+def filter_noise(newest, past, spacing, filters, edges, noise, out):
+    """Filter noise at nodes along the track to noise at pings, with weights for every distance from a node.
+
+    Parameters
+    ----------
+    newest : ndarray of int64, shape (n,)
+        Row of the last node at or before each ping.
+    past : ndarray of int64, shape (n,)
+        Steps from that node to the ping.
+    spacing : int
+        Steps between nodes.
+    filters : ndarray of float64, shape (rows, steps)
+        Weights of a node 0, 1, 2 ... steps before the ping.
+    edges : ndarray of int64, shape (rows + 1,)
+        Bins between which each row of filters applies.
+    noise : tuple of two ndarray of float32, shape (nodes, 2, bins)
+        Real and imaginary parts.
+    out : tuple of two ndarray of float32, shape (n, 2, bins)
+        Added to.
+    """
+    real, imaginary, out_real, out_imaginary = noise[0], noise[1], out[0], out[1]
+    for ping in range(newest.size):
+        for row in range(filters.shape[0]):
+            weights = filters[row, past[ping] :: spacing]
+            scale = 1.0 / math.sqrt((weights * weights).sum())
+            for k in range(weights.size):
+                weight, node = np.float32(weights[k] * scale), newest[ping] - k
+                for side in range(2):
+                    for column in range(edges[row], edges[row + 1]):
+                        out_real[ping, side, column] += weight * real[node, side, column]
+                        out_imaginary[ping, side, column] += weight * imaginary[node, side, column]
+
+
 @inlined
 def _filter_line(noise, taps, line):
     """Convolve one line of noise, which begins early enough for the filter, with its taps."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.beam.pattern import two_way_response
+from insonify.kernels.beam.pattern import row_of_range, two_way_response
 from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter
@@ -34,6 +34,19 @@ EMPTY = 1e300
 HALF, LOW_HALF, UNIT = np.uint64(32), np.uint64(0xFFFFFFFF), 2.0**-32
 
 
+class BeamPhases(NamedTuple):
+    """Phases of waves there and back over those from the middle of the beam, by rows of slant range and by sine."""
+
+    turns: NDArray[np.float64]  # (rows, columns) at equal steps of the sine; one row of zeros for no phases
+    centre: float  # and the rest as of `BeamPattern`
+    extent: NDArray[np.float64]
+    first_range: float
+    per_octave: float
+
+
+NO_PHASES = BeamPhases(np.zeros((1, 2)), 0.0, np.ones(1), 1.0, 1.0)
+
+
 class Scatterers(NamedTuple):
     """Density of scatterers, and the turns of their phases per metre of slant range."""
 
@@ -41,6 +54,7 @@ class Scatterers(NamedTuple):
     density: float  # per m², on average
     per_wave: float  # turns of the phase per metre of slant range, there and back
     patches: SurfacePatches
+    phases: BeamPhases = NO_PHASES
 
 
 class PulseTaps(NamedTuple):
@@ -80,6 +94,7 @@ class ScattererEcho(NamedTuple):
     dz: float
     level: float  # ground range, m
     sine: float  # of its azimuth, towards the bow
+    turns: float  # phase of the beam in its direction
 
 
 def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
@@ -158,7 +173,7 @@ def detect_samples(waves, samples, out):
 def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     """Add the waves of the bed's scatterers: lots are the squares of a lattice fixed to the world."""
     # Arrays are taken out of their tuples before the loop: doing so costs more than a scatterer.
-    bed, table, pattern = arrays.bed, arrays.reflectivity, arrays.pattern
+    bed, table, pattern, phases = arrays.bed, arrays.reflectivity, arrays.pattern, scatterers.phases
     factor, decay = arrays.range_factor, arrays.range_decay
     heights, materials, real, imaginary = bed.heights, bed.materials, signal.real, signal.imaginary
     borders, reach, edges, edge_count = visible_bed
@@ -176,13 +191,13 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
                 bits, more = _random_bits(key, member)
                 x, y = (column + _upper_uniform(bits)) * pitch, (row + _lower_uniform(bits)) * pitch
                 height, nx, ny, nz, material = _bed_at(heights, materials, grid, x, y)
-                echo = _observe(beam, pattern, x, y, height, nx, ny, nz)
+                echo = _observe(beam, pattern, phases, x, y, height, nx, ny, nz)
                 if echo.response > 0.0 and is_bed_visible(borders, reach, edges, edge_count, echo.sine, echo.level):
                     if bodies and _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
                         continue
                     # The lattice is level: on a slope a square of it carries more bed.
                     energy = _mean_energy(table, material, echo) / nz
-                    _add_wave(energy, echo.r, more, waves, factor, decay, real, imaginary)
+                    _add_wave(energy, echo.r, echo.turns, more, waves, factor, decay, real, imaginary)
 
 
 @inlined
@@ -250,41 +265,59 @@ def _add_targets(arrays, beam, scatterers, near, pulse, signal):
             mean, lots = patches.area[row] * scatterers.density, math.ceil(patches.area[row] * scatterers.density / LOT)
             for lot in range(lots):
                 key = hash_integers(scatterers.seed, TARGET_SCATTERERS, patches.target[row], patches.number[row], lot)
-                _add_lot(patch, material, key, mean / lots, arrays, beam, near, waves, signal)
+                _add_lot(patch, material, key, mean / lots, arrays, scatterers.phases, beam, near, waves, signal)
 
 
 @kernel
-def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
+def _add_lot(patch, material, key, mean, arrays, phases, beam, near, waves, signal):
     """Add the waves of one lot of a patch."""
     for member in range(_poisson(key, mean, math.exp(-mean))):
         bits, more = _random_bits(key, member)
         place = sample_patch(patch, _upper_uniform(bits), _lower_uniform(bits))
-        echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
+        echo = _observe(beam, arrays.pattern, phases, place.x, place.y, place.z, place.nx, place.ny, place.nz)
         if patch.kind == FACE and echo.cosine < 0.0:
             # Triangles scatter from both sides.
-            echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
+            echo = _observe(beam, arrays.pattern, phases, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
         if echo.response > 0.0 and not _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
             if not bed < echo.r:
                 energy = _mean_energy(arrays.reflectivity, material, echo)
                 factor, decay = arrays.range_factor, arrays.range_decay
-                _add_wave(energy, echo.r, more, waves, factor, decay, signal.real, signal.imaginary)
+                _add_wave(energy, echo.r, echo.turns, more, waves, factor, decay, signal.real, signal.imaginary)
 
 
 @inlined
-def _observe(beam, pattern, x, y, z, nx, ny, nz):
+def _observe(beam, pattern, phases, x, y, z, nx, ny, nz):
     """Echo geometry of a place with its outward normal; a place at NaN, without a bed, is not visible."""
     x, y, z = x - beam.x, y - beam.y, z - beam.z
     r = math.sqrt(x * x + y * y + z * z)
     dx, dy, dz = x / r, y / r, z / r
     cosine = -(nx * dx + ny * dy + nz * dz)
     level = math.sqrt(x * x + y * y)
-    response = 0.0
+    response, turns = 0.0, 0.0
     sine = dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z
     ahead = dx * beam.side_x + dy * beam.side_y >= 0.0
     if ahead and r < beam.reach and cosine > 0.0 and beam.s_low <= sine <= beam.s_high:
         response = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabulated else 1.0
-    return ScattererEcho(response, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
+        if phases.turns.shape[0] > 1 and response > 0.0:
+            turns = _phase_of_beam(phases, sine, r)
+    return ScattererEcho(response, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level, turns)
+
+
+@inlined
+def _phase_of_beam(phases, s, r):
+    """Phase of the beam in a direction, in turns, bilinear in s and log r."""
+    row, share = row_of_range(phases.extent, phases.first_range, phases.per_octave, r)
+    return (1.0 - share) * _phase_in_row(phases, row, s) + share * _phase_in_row(phases, row + 1, s)
+
+
+@inlined
+def _phase_in_row(phases, row, s):
+    """Phase of one row, in turns; beyond its ends that of the ends."""
+    last, extent = phases.turns.shape[1] - 1, phases.extent[row]
+    place = min(max((s - phases.centre + extent) / (2.0 * extent), 0.0), 1.0) * last
+    k = min(int(place), last - 1)
+    return phases.turns[row, k] + (place - k) * (phases.turns[row, k + 1] - phases.turns[row, k])
 
 
 @inlined
@@ -295,14 +328,14 @@ def _mean_energy(table, material, echo):
 
 
 @inlined
-def _add_wave(energy, r, bits, waves, factor, decay, real, imaginary):
+def _add_wave(energy, r, beam_turns, bits, waves, factor, decay, real, imaginary):
     """Add the wave of one scatterer, from the mean energy per m² of its share of the area."""
     place = r / waves.bin_length
     k = min(int(place), factor.size - 1)
     energy *= waves.share * factor[k] * range_weight(decay, k, place, 0.0)
     # Circular Gaussian: exponential energy, uniform phase (Goodman 2007, *Speckle phenomena in optics*, ch. 2).
     modulus = math.sqrt(-energy * math.log(_upper_uniform(bits) + 0.5 * UNIT))
-    turns = r * waves.per_wave + _lower_uniform(bits)
+    turns = r * waves.per_wave + beam_turns + _lower_uniform(bits)
     phase = 2.0 * math.pi * (turns - math.floor(turns))
     cell = waves.before + int(place * waves.cells)
     real[cell] += modulus * math.cos(phase)

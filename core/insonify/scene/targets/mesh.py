@@ -47,7 +47,7 @@ class MeshFile(Posed, kind="mesh", rank=5):
 def _measured(path: str) -> tuple[Floats, int, bool]:
     """Size of the bounding box in units of the file, number of triangles, and whether they bound bodies."""
     corners = _read(path)
-    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners), bounds_bodies(corners)
+    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners), bounds_bodies(path)
 
 
 def _read(path: str) -> Floats:

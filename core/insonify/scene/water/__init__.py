@@ -66,6 +66,10 @@ class WaterKind(Kind):
         """
         raise NotImplementedError
 
+    def remarks(self) -> tuple[str, ...]:
+        """Describe in a sentence each what is left out of a measured file, and why."""
+        return ()
+
 
 def speeds_by_depth(depth: ArrayLike, speed: ArrayLike) -> SoundSpeeds:
     """Speeds (m/s) at depths (m) of horizontally uniform water."""

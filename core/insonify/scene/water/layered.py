@@ -11,6 +11,8 @@ from pydantic import AfterValidator, Field, model_validator
 
 from insonify.arrays import Floats, Integers
 from insonify.errors import SceneError
+from insonify.files import kept_until_changed
+from insonify.io.file_access import warn_of_file
 from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene.base import FilePath, angle, parameter
 from insonify.scene.water import SoundSpeeds, WaterKind, speeds_by_depth
@@ -204,6 +206,13 @@ class SectionWater(LayeredWater, kind="section", rank=50):
         )
 
 
+@kept_until_changed(maxsize=4)
+def _read_cast_once(path: str) -> Cast:
+    cast = read_cast(path)
+    warn_of_file(path, cast.remarks)
+    return cast
+
+
 class CastWater(WaterKind, kind="cast", rank=40):
     """Water measured by an instrument cast."""
 
@@ -218,16 +227,20 @@ class CastWater(WaterKind, kind="cast", rank=40):
 
     def sound_speeds(self) -> SoundSpeeds:
         """Measured speed, reduced to few points."""
-        cast = read_cast(self.path)
+        cast = _read_cast_once(self.path)
         speed = self._speeds_of(cast)
         if self.interpolation == "pchip" and cast.depth.size > 1:
             return speeds_by_depth(*approximate_pchip(cast.depth, speed, CAST_TOLERANCE))
         kept = thin_polyline(cast.depth, speed, CAST_TOLERANCE)
         return speeds_by_depth(cast.depth[kept], speed[kept])
 
+    def remarks(self) -> tuple[str, ...]:
+        """Rows of the file that are left out, and why."""
+        return _read_cast_once(self.path).remarks
+
     def describe_limits(self, frequency: float) -> Iterator[str]:
         """Describe measurements outside the range of the equation of sound speed, where one is used."""
-        cast = read_cast(self.path)
+        cast = _read_cast_once(self.path)
         if cast.temperature is not None and cast.salinity is not None and (self.equation or cast.sound_speed is None):
             yield from describe_range(self.equation or "teos10", cast.temperature, cast.salinity, cast.depth)
 

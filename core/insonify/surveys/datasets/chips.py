@@ -5,18 +5,18 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from insonify.arrays import Bytes, Dataset, Floats
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
 from insonify.surveys.datasets.scenes import DrawnScene, View
-from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Tiles
+from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
 from insonify.surveys.datasets.tiles import RecordSide, take_side, targets_within
 from insonify.surveys.storages import Tile
 
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
+STEPS = np.array([0.5, 1.0, 2.0, 5.0])  # of scale lines, times a power of ten
 LEAST = 0.25  # of a target's length, which windows about its extent span at least
 NARROWEST = 16  # pixels of a picture
 PAST = 2  # pings and bins past a window, of which its outermost pixels take parts
@@ -26,8 +26,9 @@ def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecific
     """Cut a labelled record of a scene into pictures about the views of its targets and, across the tow, of the bed."""
     amplitude = np.sqrt(record["intensity"].values.astype(np.float64))  # (sides, pings, bins)
     curve = np.sqrt(compute_median_curve(record)[:, 0])
-    nothing = np.zeros((amplitude.shape[1:]), np.uint8)
-    sides = [take_side(drawn, record, nothing, channel, specification.classes) for channel in range(len(CHANNELS))]
+    with np.errstate(divide="ignore"):
+        levels = (20.0 * np.log10(amplitude / curve)).astype(np.float32)
+    sides = [take_side(drawn, record, levels[side], side, specification.classes) for side in range(len(CHANNELS))]
     for number, view in enumerate(drawn.views):
         extent = next((one.box for one in sides[view.channel].targets if one.number == view.target), None)
         for place in (view, view._replace(target=None, channel=1 - view.channel)):
@@ -37,7 +38,8 @@ def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecific
                 chip = drawn.draws.table(Chips, f"chips.{path}", specification.chips or {})
                 picture = drawn.draws.table(Picture, f"picture.{path}", specification.picture)
                 edges = _edges(drawn, place, amplitude.shape[1:], chip, picture, extent)
-                tile = _cut(sides[place.channel], (amplitude[place.channel], curve), edges, chip, picture)
+                across = _distances(drawn, edges[1], picture)
+                tile = _cut(sides[place.channel], (amplitude[place.channel], curve), edges, across, chip, picture)
                 shown = [found["target"] for found in tile.description["targets"]]
                 if place.target in shown or (place.target is None and not shown):
                     shows = None if place.target is None else drawn.classes.get(place.target)
@@ -47,32 +49,40 @@ def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecific
 
 
 def _cut(
-    side: RecordSide, echoes: tuple[Floats, Floats], edges: tuple[Floats, Floats], chip: Chips, picture: Picture
+    side: RecordSide,
+    echoes: tuple[Floats, Floats],
+    edges: tuple[Floats, Floats],
+    across: Floats,
+    chip: Chips,
+    picture: Picture,
 ) -> Tile:
     """Cut one chip and describe what it shows."""
     (amplitude, curve), (rows, columns) = echoes, edges
     # Sums up to the ends of the window are those of the whole record, bit by bit.
     reached = tuple(slice(math.ceil(edge[-1]) + PAST) for edge in edges)
     shown = _displayed(amplitude[reached] / curve[reached] ** picture.levelled, edges, picture)
-    image = _finish(_grey(shown, picture), picture)
+    image = _finish(_grey(shown, picture), picture, float(across[0]), float(across[-1]))
     middles = (0.5 * (edge[1:] + edge[:-1]) for edge in edges)
     place = np.ix_(*(np.clip(middle, 0, size - 1).astype(int) for middle, size in zip(middles, amplitude.shape)))
     turned = [np.rot90(layer[place], chip.turns) for layer in (side.mask, side.echo_id, side.shadow_id)]
     layers = [np.rot90(image, chip.turns), *turned]
     if chip.mirrored:
         layers = [layer[:, ::-1] for layer in layers]
-    # Of each target the bins that the window covers stand for what is shown.
-    high, wide = layers[0].shape
-    pixel = (rows[-1] - rows[0]) * (columns[-1] - columns[0]) / (high * wide)
-    whole = [found._replace(box=(0, high, 0, wide), area=max(round(found.area / pixel), 1)) for found in side.targets]
-    cut = RecordSide(layers[0], layers[1], layers[2], layers[3], whole)
+    # Pixels may be coarser or finer than bins, of which the share of a target within the window is a share.
+    window = slice(int(rows[0]), math.ceil(rows[-1])), slice(int(columns[0]), math.ceil(columns[-1]))
     description = {
-        "first_ping": int(rows[0]),
-        "first_bin": int(columns[0]),
-        "shape": [high, wide],
-        "targets": list(targets_within(cut, 0, 0, Tiles(pings=high, bins=wide, least=chip.least))),
+        "first_ping": window[0].start,
+        "first_bin": window[1].start,
+        "shape": list(layers[0].shape),
+        "targets": list(targets_within(side, window, chip, (layers[2], layers[3]))),
     }
-    return Tile(np.ascontiguousarray(cut.image), np.ascontiguousarray(cut.mask), description)
+    return Tile(np.ascontiguousarray(layers[0]), np.ascontiguousarray(layers[1]), description)
+
+
+def _distances(drawn: DrawnScene, bins: Floats, picture: Picture) -> Floats:
+    """Distances across on the display, in metres, of places in range bins."""
+    slants = drawn.scene.sonar.range / drawn.scene.sonar.bins * np.asarray(bins, float)
+    return np.sqrt(np.maximum(slants**2 - drawn.scene.altitude**2, 0.0)) if picture.ground_range else slants
 
 
 def _edges(
@@ -87,21 +97,17 @@ def _edges(
     scene, (pings, bins) = drawn.scene, shape
     step, bin_length, height = scene.track.speed / scene.sonar.ping_rate, scene.sonar.range / bins, scene.altitude
 
-    def displayed(slant: ArrayLike) -> Floats:
-        """Distances across on the display, in metres."""
-        slants = np.asarray(slant, float)
-        return np.sqrt(np.maximum(slants**2 - height**2, 0.0)) if picture.ground_range else slants
-
-    along, across = view.along * (pings - 1) * step, float(displayed(math.hypot(view.ground_range, height)))
+    along = view.along * (pings - 1) * step
+    across = float(_distances(drawn, np.hypot(view.ground_range, height) / bin_length, picture))
     high, wide = chip.margin * chip.aspect * view.length, chip.margin * view.length
     if chip.about == "extent" and extent is not None:
         first, last = step * extent[0], step * extent[1]
-        near, far = displayed(bin_length * np.array(extent[2:]))
+        near, far = _distances(drawn, np.array(extent[2:]), picture)
         along, across = 0.5 * (first + last), 0.5 * float(near + far)
         border = (chip.margin - 1.0) * max(last - first, float(far - near))  # of one breadth all around
         high, wide = (max(size + border, LEAST * view.length) for size in (last - first, float(far - near)))
     begin = 0.0 if picture.water_column or picture.ground_range else height
-    end = float(displayed(scene.sonar.range))
+    end = float(_distances(drawn, np.array(bins), picture))
     high, wide = min(high, pings * step), min(wide, end - begin)
     sizes = np.array([high / chip.aspect, wide]) if chip.about == "extent" else np.ones(2)
     counts = np.maximum(np.rint(chip.pixels * sizes / sizes.max()), NARROWEST).astype(int)
@@ -153,17 +159,19 @@ def _grey(amplitude: Floats, picture: Picture) -> Bytes:
     return np.rint(255.0 * (1.0 - share if picture.inverted else share)).astype(np.uint8)
 
 
-def _finish(image: Bytes, picture: Picture) -> Bytes:
-    """Write scale lines and a caption over the picture, and what JPEG leaves of it."""
+def _finish(image: Bytes, picture: Picture, near: float, far: float) -> Bytes:
+    """Draw scale lines and their spacing over a picture that spans two distances in metres, and compress by JPEG."""
     from PIL import Image, ImageDraw
 
     made = Image.fromarray(image)
     if picture.lines:
         draw, (width, height) = ImageDraw.Draw(made), made.size
-        for number in range(picture.lines):
-            x = (number + 0.5) * width / picture.lines
+        widest = (far - near) / picture.lines
+        spacing = max(step for step in STEPS * 10.0 ** math.floor(math.log10(widest)) if step <= widest)
+        for number in range(math.ceil(near / spacing), math.floor(far / spacing) + 1):
+            x = (number * spacing - near) / (far - near) * width
             draw.line([(x, 0), (x, height)], fill=INK)
-        draw.text((3, 3), f"{25 * picture.lines} m", fill=INK)
+        draw.text((3, 3), f"{spacing:g} m", fill=INK)
     if picture.jpeg is not None:
         buffer = io.BytesIO()
         made.save(buffer, "jpeg", quality=picture.jpeg)

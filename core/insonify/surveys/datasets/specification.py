@@ -48,14 +48,22 @@ class TargetGroup(Declaration):
         return self
 
 
-class Tiles(Declaration):
+class Evidence(Declaration):
+    """What must be seen of a target for it to be annotated."""
+
+    least: float = parameter(0.1, "least share of a target within a tile for which it is annotated", ge=0.0, le=1.0)
+    contrast: float = parameter(
+        1.0, "least contrast with the bed beside it, over the scatter of the bed's levels", ge=0.0, le=100.0
+    )
+
+
+class Tiles(Evidence):
     """How records are cut."""
 
     pings: int = parameter(256, "height of a tile, in pings", ge=8, le=16384)
     bins: int = parameter(256, "width of a tile, in range bins", ge=8, le=16384)
     overlap: float = parameter(0.0, "share of a tile that the next one repeats", ge=0.0, le=0.9)
     empty: float = parameter(1.0, "share of the tiles without a target of a class that is kept, 0 to 1", ge=0.0, le=1.0)
-    least: float = parameter(0.1, "least share of a target within a tile for which it is annotated", ge=0.0, le=1.0)
 
 
 class Images(Declaration):
@@ -130,7 +138,7 @@ def lengths_of(declared: Declaration, path: str = "") -> Iterator[tuple[str, flo
                 yield from lengths_of(part, f"{path}.{name}.{number}" if isinstance(value, tuple) else f"{path}.{name}")
 
 
-class Chips(Declaration):
+class Chips(Evidence):
     """Pictures about each target, and as many of the bed across the tow."""
 
     pixels: int = parameter(128, "longer side of a picture", ge=16, le=2048)
@@ -166,7 +174,9 @@ class Picture(Declaration):
     along: float = parameter(1.0, "length of the average along the tow in pixels", ge=1.0, le=16.0)
     across: float = parameter(1.0, "length of the average across the tow in pixels", ge=1.0, le=16.0)
     jpeg: int | None = parameter(None, "JPEG quality of an earlier compression; none when left out", ge=5, le=100)
-    lines: int = parameter(0, "number of scale lines, with a caption", ge=0, le=8)
+    lines: int = parameter(
+        0, "least number of scale lines, at round distances; their spacing is the caption", ge=0, le=8
+    )
 
 
 def _check_draws(model: type[Declaration], table: dict[str, Any] | None) -> dict[str, Any] | None:

@@ -182,12 +182,12 @@ class StepPage(QWidget):
         self.tick.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
 
-    def show_step(self, lesson: Lesson, index: int) -> None:
+    def show_step(self, lesson: Lesson, index: int, run: str) -> None:
         """Show a step, not yet done, its answer hidden."""
         step = lesson.steps[index]
         first = step.ask is not None
         if step.ask is not None:
-            self.ask.show_question(step.question, step.ask)
+            self.ask.show_question(step.question, step.ask, run)
         self.ask.setVisible(first)
         self.lesson.setText(lesson.title)
         self.introduction.setText(lesson.introduction)

@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QLabel, QLineEdit, QRadioButton, QVBoxLayout, QWidget
 
-from insonify.lessons.questions import UNKNOWN, Ask, read_number
+from insonify.lessons.questions import UNKNOWN, Ask, order_choices, read_number
 from insonify_viewer.errors import guard_override
 from insonify_viewer.widgets.buttons import light, make, make_label, push_button
 from insonify_viewer.widgets.layouts import fill
@@ -35,14 +35,14 @@ class QuestionBox(QWidget):
         self._group.buttonToggled.connect(self._enable)
         self._lay_out()
 
-    def show_question(self, question: str, ask: Ask) -> None:
-        """Ask a question that has no answer yet."""
+    def show_question(self, question: str, ask: Ask, run: str) -> None:
+        """Ask a question that has no answer yet, its choices in the order of a run."""
         self._clear()
         self.question.setText(f"**First, your guess** {question}")
-        for choice in ask.choices:
-            row = ChoiceRow(choice.text)
+        for place in order_choices(question, ask, run):
+            row = ChoiceRow(ask.choices[place].text)
             self.choices.append(row)
-            self._group.addButton(row.button)
+            self._group.addButton(row.button, place)
             self._rows.addWidget(row)
         self._line.setVisible(not ask.choices)
         self.unit.setText(ask.unit)
@@ -78,9 +78,8 @@ class QuestionBox(QWidget):
     def _answer(self) -> None:
         """Signal the answer, if there is one."""
         if self.choices:
-            place = next((place for place, row in enumerate(self.choices) if row.button.isChecked()), None)
-            if place is not None:
-                self.answered.emit(self.choices[place].label.text(), place)
+            if (chosen := self._group.checkedButton()) is not None:
+                self.answered.emit(chosen.accessibleName(), self._group.checkedId())
         elif (number := read_number(self.number.text())) is not None:
             self.answered.emit(self.number.text().strip(), number)
 

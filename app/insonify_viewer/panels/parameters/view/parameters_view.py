@@ -94,7 +94,7 @@ class ParametersView(SidePanel):
 
     def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
         """Show these fields; only sections whose rows change are rebuilt, at most one of them at once."""
-        keys = [section.key for section in sections]
+        keys = {section.key for section in sections}
         for key in [key for key in self._sections if key not in keys]:
             self._drop(key)
         for place, section in enumerate(sections):

@@ -99,7 +99,7 @@ class SectionBox(FoldingBox):
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
-        self._changed = {path: before for path, before in changed.items() if path in self._paths}
+        self._changed = {path: changed[path] for path in self._paths if path in changed}
         self._mark_changed()
         self._reset.setVisible(bool(self._changed))
 

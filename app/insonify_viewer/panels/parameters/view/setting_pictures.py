@@ -21,8 +21,9 @@ from insonify.display.scene_curves import (
     relief_spectrum,
     vertical_beam_curve,
 )
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
+from insonify_viewer.errors import FaultReport
 from insonify_viewer.state.quantities import nearest_within
 from insonify_viewer.widgets.painting import Painted, image_of, make_polyline, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, RAISED, TEXT, scaled
@@ -64,14 +65,14 @@ class SettingPicture(Painted):
 class CurvesPicture(SettingPicture):
     """Curves of one setting."""
 
-    _made = Signal(object, object)
+    _made = Signal(object, object, object)
 
     def __init__(self, applies: Callable[[Scene], bool], draws: tuple[Draw, ...]) -> None:
         super().__init__(CURVE_HEIGHT)
         self._applies, self._draws = applies, draws
         self.curves: tuple[Curve, ...] = ()
         self._drawn: Scene | None = None  # the scene of these curves
-        self._making = False
+        self._making, self._faults = False, FaultReport()
         self._made.connect(self._take)
 
     def applies(self, scene: Scene) -> bool:
@@ -93,18 +94,21 @@ class CurvesPicture(SettingPicture):
             threading.Thread(target=self._make, args=(self._scene,), name="insonify curves", daemon=True).start()
 
     def _make(self, scene: Scene) -> None:
+        made: tuple[Curve, ...] = ()
+        error: Exception | None = None
         try:
             made = tuple(curve for curve in (draw(scene) for draw in self._draws) if curve is not None)
-        except SceneError:
-            made = ()
+        except Exception as raised:  # an exception that ends the thread would freeze the picture silently
+            error = raised
         with contextlib.suppress(RuntimeError):  # the picture has been deleted
-            self._made.emit(scene, made)
+            self._made.emit(scene, made, error)
 
-    def _take(self, scene: Scene, curves: tuple[Curve, ...]) -> None:
-        """Show curves that are made; if the scene has changed meanwhile, the next follow."""
+    def _take(self, scene: Scene, curves: tuple[Curve, ...], error: Exception | None) -> None:
+        """Show curves that are made, or report why not; if the scene has changed meanwhile, the next follow."""
         self.curves, self._drawn, self._making = curves, scene, False
         self.setToolTip("\n".join(f"{curve.title}: {curve.note}{_scale(curve)}" for curve in curves))
         self.update()
+        self._faults.report(error)
 
 
 def _paint(painter: QPainter, curve: Curve, area: QRectF) -> None:

@@ -5,7 +5,6 @@ They are tables of the TOML files in ``resources/materials`` and in the folders 
 """
 
 import math
-import tomllib
 from collections import UserDict
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +14,8 @@ from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from insonify.errors import SceneError
 from insonify.files import resources
-from insonify.plugins import announced
+from insonify.io.file_access import LARGEST_TOML, FileFault, parse_toml, read_text
+from insonify.plugins import announced, loaded
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.seabed.materials.sediments import Sediment, fit_law
 
@@ -97,8 +97,8 @@ class Catalogue(UserDict[str, NamedMaterial]):
     def data(self) -> dict[str, NamedMaterial]:  # type: ignore[override]  # read when first used
         """All materials."""
         found = read_materials(resources() / "materials")
-        for entry in announced("insonify.materials"):
-            found = found | read_materials(Path(entry.load())) | found
+        for others in loaded(announced("insonify.materials"), lambda folder: read_materials(Path(folder))):
+            found = found | others | found
         return found
 
 
@@ -115,10 +115,9 @@ def read_materials(folder: Path) -> dict[str, NamedMaterial]:
     found: dict[str, NamedMaterial] = {}
     for file in sorted(folder.glob("*.toml")):
         try:
-            tables = tomllib.loads(file.read_text(encoding="utf-8"))
-            found |= _TABLES.validate_python(tables)
-        except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{file}: is not valid TOML ({error}); correct that line") from None
+            found |= _TABLES.validate_python(parse_toml(read_text(file, largest=LARGEST_TOML)))
+        except FileFault as error:
+            raise SceneError(f"{file}: {error}") from None
         except ValidationError as error:
             fault = error.errors()[0]
             field = ".".join(map(str, fault["loc"]))

@@ -24,7 +24,9 @@ LEAST_GRAZING = math.radians(10.0)  # nearer to the horizontal, the roughness ca
 LAMBERT_GRAZING = math.radians(30.0)  # where Lambert's law is as strong as the model
 STEEPEST = math.radians(89.9)  # stands for normal incidence, where first-order perturbation has a pole
 LOBE_GRAZING = np.append(np.radians(np.arange(50.0, 90.0, 5.0)), STEEPEST)  # where Phong's lobe is compared with it
-EXPONENTS = np.unique(np.geomspace(1.0, 1000.0, 60).round()).tolist()  # of lobes that are tried
+# Of lobes that are tried, so close that levels over frequency hardly step; whole numbers where tracers are faster with
+# them.
+EXPONENTS = np.concatenate([np.arange(1.0, 10.0, 0.125), np.arange(10.0, 128.0), np.geomspace(128.0, 1000.0, 100)])
 LOGIT_STEP, LOGARITHM_STEP = 0.4, 0.4  # of the rules in `diffraction_integral`, exact to 0.001 dB
 LOGITS, LOGARITHMS = np.arange(-30.0, 30.0, LOGIT_STEP), np.arange(-60.0, 4.0, LOGARITHM_STEP)
 
@@ -77,10 +79,10 @@ def fit_law(sediment: Sediment, frequency: float, shininess: float) -> Fit:
     missing = float(model[-1]) - diffuse / math.pi
     if missing <= 0.0:
         return Fit(diffuse, 0.0, shininess)
-    tried = [Fit(diffuse, min(2.0 * math.pi * missing / (n + 2.0), 1.0 - diffuse), n) for n in EXPONENTS]
-    return min(
-        tried, key=lambda fit: float(np.mean(np.log(scattering_strength(fit, np.sin(LOBE_GRAZING)) / model) ** 2))
-    )
+    specular = np.minimum(2.0 * math.pi * missing / (EXPONENTS + 2.0), 1.0 - diffuse)
+    law = scattering_strength((diffuse, specular[:, None], EXPONENTS[:, None]), np.sin(LOBE_GRAZING))
+    best = np.argmin(np.mean(np.log(law / model) ** 2, axis=1))
+    return Fit(diffuse, float(specular[best]), float(EXPONENTS[best]))
 
 
 def _of_interface(sediment: Sediment, frequency: float, grazing: Floats) -> Floats:

@@ -21,7 +21,9 @@ class Dem(AddableRelief, kind="dem", rank=90):
     """A measured bed: a grid of heights from a file."""
 
     measured = True
-    path: FilePath = parameter(description="grid of heights or depths: GeoTIFF, BAG, .asc, .npy or .npz", min_length=1)
+    path: FilePath = parameter(
+        description="grid of heights or depths: GeoTIFF, BAG, S-102, .asc, .npy or .npz", min_length=1
+    )
     positive: Literal["auto", "up", "down"] = parameter(
         "auto", "sign of the numbers of the file: heights (up), depths (down), or as the file states (auto)", rare=True
     )
@@ -41,12 +43,9 @@ class Dem(AddableRelief, kind="dem", rank=90):
         if origin is not None and grid.corner is not None:
             # Map coordinates reach millions of metres: subtract before anything becomes float32.
             x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
-        # Some files name their band depth although it is negative.
-        down = self.positive == "down"
-        if self.positive == "auto":
-            down = grid.depths and float(np.nanmin(grid.heights)) >= 0.0
+        down = grid.depths if self.positive == "auto" else self.positive == "down"
         factor = -self.scale if down else self.scale
-        return HeightGrid(_checked(self, grid.heights * factor + self.datum), step, x0, y0)
+        return HeightGrid(_checked(self, grid.heights * factor + self.datum, down), step, x0, y0)
 
     def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
         """Map coordinates of the local (0, 0); None if the file has no coordinates."""
@@ -58,7 +57,7 @@ class Dem(AddableRelief, kind="dem", rank=90):
         return Georeference(grid.crs, centre if origin is None else origin)
 
 
-def _checked(dem: Dem, heights: Floats) -> Floats:
+def _checked(dem: Dem, heights: Floats, down: bool) -> Floats:
     """World heights, checked for undeclared nodata values, other units and depths read as heights."""
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if not -HIGHEST <= low <= high <= HIGHEST:
@@ -71,7 +70,8 @@ def _checked(dem: Dem, heights: Floats) -> Floats:
         raise BATHYMETRY.refusal(
             dem.path,
             f"lies from {low:g} to {high:g} m above the sea surface",
-            "write positive = 'down' if its numbers are depths, or lower it with datum",
+            f"write positive = {'up' if down else 'down'!r} if its numbers are {'heights' if down else 'depths'}, "
+            "or lower it with datum",
         )
     return heights
 

@@ -45,7 +45,7 @@ class BeamKind(Kind):
     """Sensitivity of the sonar along the track.
 
     A kind declares the half width of its main lobe, its extent and its response. A beam that depends on range
-    overrides `tabulate` and `at_range`.
+    overrides `tabulate` and `at_range`, and one whose waves have phases of their own `phases` and `coherence`.
 
     Attributes
     ----------
@@ -102,6 +102,20 @@ class BeamKind(Kind):
     def at_range(self, conditions: BeamConditions) -> BeamTable:
         """Tabulate the sensitivity at the range of the conditions alone, in one row."""
         return self.tabulate(conditions)
+
+    def phases(self, conditions: BeamConditions) -> Floats | None:
+        """Phases in turns of waves there and back over those from the beam's middle, for the table of `tabulate`.
+
+        None where waves to all directions have the phase of those from the middle, as far from an array.
+        """
+        return None
+
+    def coherence(self, spacing: float, conditions: BeamConditions) -> Floats | None:
+        """Correlations of bed echoes 0, 1, 2 ... times a spacing in metres apart along the track, to the last above 0.
+
+        None for a beam without phases of its own: the correlation then is the transform of the sensitivity.
+        """
+        return None
 
 
 class AimedBeam(BeamKind):

@@ -1,8 +1,11 @@
 """A recorded tow."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from insonify.files import kept_until_changed
+from insonify.io.file_access import warn_of_file
 from insonify.io.navigation import RecordedNavigation, read_navigation
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.track.motions import SingleMotion
@@ -26,6 +29,7 @@ class Recorded(SingleMotion, kind="recorded", rank=80):
 @kept_until_changed(maxsize=4)
 def _read_with_course(path: str) -> RecordedNavigation:
     tow = read_navigation(path)
+    warn_of_file(path, tow.remarks)
     if "x" not in tow.columns or "heading" in tow.columns:
         return tow
     # A file without a heading has the course from successive positions.
@@ -34,4 +38,4 @@ def _read_with_course(path: str) -> RecordedNavigation:
     # At rest the fish keeps its last course; before the first move it has the first one.
     last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
     heading = np.degrees(np.arctan2(north, east))[last]
-    return RecordedNavigation(tow.time, {**tow.columns, "heading": heading}, tow.place)
+    return replace(tow, columns={**tow.columns, "heading": heading})
