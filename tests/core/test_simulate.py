@@ -155,13 +155,15 @@ def test_a_record_carries_the_error_that_a_dense_one_finds_in_it(name):
     found, estimated = np.sqrt(missed / whole).max(axis=0), simulation.errors(traced.squares)
     assert np.mean(found <= 1.25 * estimated) >= 0.99
     assert np.mean(estimated <= 3.0 * found) >= 0.8
-    ratios = np.abs(traced.echoes - dense) * simulation.reception.gain / simulation.bin_errors(traced)
-    assert np.nanmedian(ratios) < 1.0
-    assert np.nanquantile(ratios, 0.9) < 2.5
+    bins = simulation.bin_errors(traced)
+    ratios = (np.abs(traced.echoes - dense) * simulation.reception.gain)[bins > 0.0] / bins[bins > 0.0]
+    assert np.median(ratios) < 1.0
+    assert np.quantile(ratios, 0.9) < 2.5
 
 
-@pytest.mark.parametrize("name", ["default", "ghosts", "thermocline"])
-def test_errors_of_bins_add_up_to_that_of_the_side_and_change_no_record(name):
+# Echoes by way of the surface are compared with a level bed in planes of their own.
+@pytest.mark.parametrize(("name", "rounding"), [("default", 1e-3), ("thermocline", 1e-3), ("ghosts", 0.15)])
+def test_errors_of_bins_add_up_to_that_of_the_side_and_change_no_record(name, rounding):
     scene = edit(load_scene(name), STEADY)
     bare, labelled = simulate(scene), simulate(scene, truth=True, bin_error=True)
     for variable in bare:
@@ -171,10 +173,11 @@ def test_errors_of_bins_add_up_to_that_of_the_side_and_change_no_record(name):
     simulation = prepare(scene)
     poses = simulation.poses(np.arange(24))
     traced = simulation.trace_pings(poses, of_bins=True)
-    level, start = flat_bed_curve(simulation.arrays, float(poses.z[0])), math.ceil(1.4 * poses.z[0] / 0.05)
-    missed, whole = (np.square((each / level)[..., start:]).sum(axis=-1) for each in (traced.bin_errors, traced.echoes))
-    assert level.size == simulation.arrays.bins
-    np.testing.assert_allclose(missed / whole, np.divide(*np.moveaxis(traced.squares[..., 2, :], -1, 0)), rtol=0.03)
+    start = math.ceil(1.4 * poses.z[0] / simulation.arrays.bin_length)
+    level = flat_bed_curve(simulation.arrays, float(poses.z[0]))[start:]
+    of_bins = traced.bin_errors[..., start:], traced.echoes[..., start:]
+    missed, whole = (np.square(each / level).sum(axis=-1) for each in of_bins)
+    np.testing.assert_allclose(missed / whole, np.divide(*np.moveaxis(traced.squares[..., 2, :], -1, 0)), rtol=rounding)
 
 
 def test_what_no_planes_estimate_has_the_error_of_the_plan():
@@ -194,7 +197,8 @@ def test_pings_beyond_the_tolerance_with_the_most_planes_are_told_at_the_line_of
     scene = small(9)
     for place in ("tracers.plane_counts", "record.record_error"):
         monkeypatch.setattr(f"insonify.{place}.MOST_PLANES", 2)
-    monkeypatch.setattr(module.Simulation, "errors", lambda self, squares: np.linspace(0.02, 0.04, 9))
+    errors = np.linspace(0.02, 0.04, 9)
+    monkeypatch.setattr(module.Simulation, "errors", lambda self, squares: np.resize(errors, squares.shape[-3::-1]).T)
     told = (
         r"^4 pings have .* tolerance of 3 % with 2 planes, the greatest is ping 8 with 4 %; raise the tolerance, or .*"
     )
