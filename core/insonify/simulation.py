@@ -88,8 +88,15 @@ class Simulation(PackedScene):
         (n, 2, bins) float32
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
+        return self.trace_record(pings)[0]
+
+    def trace_record(self, pings: Integers) -> tuple[Singles, Singles]:
+        """Trace and receive pings as `intensity` does, and estimate their errors of both sides together, (n,)."""
         pings = np.ascontiguousarray(pings, dtype=np.int64)
-        return self.record(pings, self.poses(pings))
+        poses = self.poses(pings)
+        refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
+        traced = self.trace_pings(poses)
+        return self.record(pings, poses, traced=traced), self.errors(traced.squares.sum(axis=1))
 
     def record(
         self, pings: Integers, poses: Poses, out: Singles | None = None, traced: TracedPings | None = None
@@ -109,7 +116,7 @@ class Simulation(PackedScene):
 
     def trace_pings(self, poses: Poses, *, of_bins: bool = False) -> TracedPings:
         """Trace pings as `trace` does, each by as many planes as its error requires; find that of bins if wanted."""
-        if not self._estimates_errors:
+        if not self.estimates_errors:
             planes = np.full(poses.x.size, self.plan.planes, np.int64)
             nothing = empty_squares(poses.x.size), planes, empty_bin_errors(poses.x.size)
             return TracedPings(self._trace_by(planes, poses, self.reduced), *nothing)
@@ -124,7 +131,7 @@ class Simulation(PackedScene):
         return TracedPings(*found)
 
     @property
-    def _estimates_errors(self) -> bool:
+    def estimates_errors(self) -> bool:
         """Whether the planes of each ping estimate its error: those of the sweep, which sums energies."""
         return isinstance(self.tracer, Sweep)
 
@@ -164,7 +171,7 @@ class Simulation(PackedScene):
 
     def require_bin_errors(self, wanted: bool) -> None:
         """Raise a SceneError if errors of bins are wanted that the tracer does not estimate."""
-        if wanted and not self._estimates_errors:
+        if wanted and not self.estimates_errors:
             method = "coherent speckle" if self.plan.method == "sweep" else f"the method {self.plan.method!r}"
             remedy = "leave it out" if self.plan.method == "sweep" else "leave it out or use the method 'sweep'"
             raise SceneError(f"bin_error: {method} gives no estimate of the error of bins; {remedy}")
@@ -225,7 +232,7 @@ class Simulation(PackedScene):
             return found
 
         with limited_threads(self.threads):
-            goal = self.plan.goal if self._estimates_errors else None
+            goal = self.plan.goal if self.estimates_errors else None
             (*labels, echoes, squares), planes = trace_until(goal, first, poses.x.size, label_some)
         return RecordLabels(*labels), TracedPings(echoes, squares, planes, empty_bin_errors(poses.x.size))
 
