@@ -58,8 +58,7 @@ def judge(scene, tolerance):
         errors = compare_records(simulation.arrays, take_poses(poses, pings), traced.echoes[pings], right[pings])
         return max(errors.beyond, errors.all_bins)
 
-    sides = traced.squares.sum(axis=1, keepdims=True)
-    estimated = simulation.errors(traced._replace(squares=sides))[:, 0]
+    estimated = simulation.errors(traced.squares.sum(axis=1))
     each = np.array([found(slice(ping, ping + 1)) for ping in PINGS])
     return found(slice(None)), each, estimated
 

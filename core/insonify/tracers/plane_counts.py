@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.arrays import Floats, Integers
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.sweep.plane_errors import BEYOND, COLUMN, REGIONS
 
 AnyArray = NDArray[Any]
@@ -27,6 +27,7 @@ class TracedPings(NamedTuple):
     echoes: AnyArray  # (n, 2, bins) mean energies, or waves of the samples of bins
     squares: Floats  # (n, 2, regions, 2) of errors and of the record, as `errors_of_sides` takes them
     planes: Integers  # (n,) planes across the beam
+    bin_errors: Singles  # (n, 2, bins) errors of bins by planes, as intensities; without bins if they are not found
 
 
 class Goal(NamedTuple):
@@ -39,6 +40,11 @@ class Goal(NamedTuple):
 def empty_squares(pings: int) -> Floats:
     """Squares of no error of pings, (n, 2, regions, 2), for sides that a tracer does not measure."""
     return np.zeros((pings, 2, REGIONS, 2))
+
+
+def empty_bin_errors(pings: int, bins: int = 0) -> Singles:
+    """Errors of no bins of pings, (n, 2, 0), or room for those of some."""
+    return np.zeros((pings, 2, bins), np.float32)
 
 
 def errors_of_sides(squares: Floats) -> Floats:

@@ -25,7 +25,15 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
-from insonify.tracers.plane_counts import Columns, Goal, TracedPings, empty_squares, more_across, trace_until
+from insonify.tracers.plane_counts import (
+    Columns,
+    Goal,
+    TracedPings,
+    empty_bin_errors,
+    empty_squares,
+    more_across,
+    trace_until,
+)
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -103,17 +111,19 @@ def trace_measured(
     planes: int = 16,
     across: int = 0,
     goal: Goal | None = None,
+    of_bins: bool = False,
     **settings: Any,
 ) -> TracedPings:
-    """Trace pings by the sweep, each by as many planes as its error requires."""
+    """Trace pings by the sweep, each by as many planes as its error requires; find the error of bins if wanted."""
 
     def trace_some(places: Integers, count: int) -> Columns:
         squares, more = empty_squares(places.size), more_across(count, planes, across)
-        some = take_poses(poses, places)
-        return trace(arrays, some, planes=count, across=more, squares=squares, **settings), squares
+        some, bins = take_poses(poses, places), empty_bin_errors(places.size, arrays.bins if of_bins else 0)
+        measured: dict[str, Any] = {"squares": squares, "bin_errors": bins}
+        return trace(arrays, some, planes=count, across=more, **measured, **settings), bins, squares
 
-    (echoes, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
-    return TracedPings(echoes, squares, counts)
+    (echoes, bins, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
+    return TracedPings(echoes, squares, counts, bins)
 
 
 def trace(
@@ -126,8 +136,12 @@ def trace(
     threads: int | None = None,
     double: bool = False,
     squares: Floats | None = None,
+    bin_errors: Singles | None = None,
 ) -> Singles:
-    """Trace pings by the sweep; ``squares`` takes those of the errors of planes, where they are measured."""
+    """Trace pings by the sweep; ``squares`` takes those of the errors of planes, where they are measured.
+
+    ``bin_errors`` takes the errors of bins by planes, as intensities.
+    """
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
@@ -152,6 +166,7 @@ def trace(
         )
     )
     nothing = empty_squares(0)
+    width = 0 if bin_errors is None else bin_errors.shape[-1]
 
     def block(first: int, last: int) -> None:
         # Pings that share their planes, those of the sonar and those of its image in the sea surface.
@@ -160,26 +175,29 @@ def trace(
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
             missed = nothing if squares is None else empty_squares(places.size)
+            missed_by_bin = empty_bin_errors(places.size, width)
 
             def sweep(
                 part: Poses,
                 low: int,
                 high: int,
                 beams: Any = (beam, image_beam),
-                to: tuple[Singles, Floats] = (traced, missed),
+                to: tuple[Singles, Floats, Singles] = (traced, missed, missed_by_bin),
             ) -> None:
                 room, images, sums = rooms.own
-                record, errors = to[0][low:high], to[1][low:high]
-                sweep_pings(arrays, part, beams[0], apparent, room, sums, record, errors)
+                found = tuple(array[low:high] for array in to)
+                sweep_pings(arrays, part, beams[0], apparent, room, sums, *found)
                 if images is not None:
                     table = empty_contributor_table(0, 0)
-                    sweep_multipath(arrays, part, *beams, images, table, sums, record, errors)
+                    sweep_multipath(arrays, part, *beams, images, table, sums, *found)
 
             share_blocks(some, sweep, threads, pings_a_thread(beam))
             if traced is not out:
                 out[places] = traced
             if squares is not None:
                 squares[places] = missed
+            if bin_errors is not None:
+                bin_errors[places] = missed_by_bin
 
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)

@@ -43,7 +43,7 @@ def add_planes(sums, bins, rows, shares, apart, factor, out, errors):
             bins.steps[i] += value - before
             before = value
         add_plane(sums, bins, shares, rows.shape[1], float(k), apart[k])
-    finish_side(sums, factor, out, errors)
+    finish_side(sums, factor, out, errors, np.zeros(0, np.float32))
 
 
 def estimate(densities, apart=()):

@@ -260,6 +260,7 @@ class BudgetList(ThemedText):
                 (whole, terms),
                 (("returned by", "", "", 0.0), _contributions(explanation)),
                 (("hidden by", "", "", 0.0), _obstructions(explanation)),
+                (("estimated error", "", "", 0.0), _errors(explanation)),
             )
             self.groups = [(head, rows) for head, rows in groups if rows or head[1]]
             self._notes = explanation.approximations
@@ -314,6 +315,13 @@ def _obstructions(explanation: PixelExplanation) -> list[Row]:
         for each in explanation.obstructions[:MOST]
     ]
     return [*hiders, ("if nothing hid it", _level(explanation.unhidden), "", math.nan)] if hiders else []
+
+
+def _errors(explanation: PixelExplanation) -> list[Row]:
+    """Errors of tracing where they are known: of the side of the ping, and of this bin over its mean echo."""
+    side = ("of this side of the ping", _percent(explanation.error), "", math.nan)
+    own = ("of this bin", _percent(explanation.bin_error), "of its mean echo", math.nan)
+    return [row for row, error in ((side, explanation.error), (own, explanation.bin_error)) if not math.isnan(error)]
 
 
 def _percent(share: float) -> str:

@@ -138,6 +138,7 @@ def label_swept_pings(
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     by_surface, stretches = np.zeros(arrays.bins, np.float32), empty_stretches(workspace.zbuffer)
     shares, factor, is_measured = empty_shares(fan, image_fan), arrays.range_factor, can_measure(fan, out.errors)
+    no_bins = np.zeros(0, np.float32)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
@@ -152,7 +153,7 @@ def label_swept_pings(
             )  # fmt: skip
             if is_measured:
                 missed[0] = 0.0
-                finish_side(sums, factor, intensity, missed[0])
+                finish_side(sums, factor, intensity, missed[0], no_bins)
                 square_record(sums, factor, intensity, missed[0])
             else:
                 accumulate_bins(bins, factor, intensity)
@@ -160,7 +161,7 @@ def label_swept_pings(
                 sink = EchoSink(bins, contributions, True)
                 add_multipath(
                     arrays, poses, ping, side, fan, image_fan, multipath, sink, sums, shares, by_surface, intensity,
-                    missed,
+                    missed, no_bins,
                 )  # fmt: skip
             materials = arrays.reflectivity.shape[0]
             label_shadows(shadows, contributions, materials, out.labels, place, side)

@@ -103,7 +103,7 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
 
 
 @kernel
-def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sums, out, errors):
+def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sums, out, errors, bin_errors):
     """Add the echoes by way of the sea surface to the records of pings, and what their planes miss to the errors.
 
     Parameters
@@ -120,8 +120,8 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sum
     sums : PlaneSums
     out : ndarray of float32, shape (n, 2, bins)
         Added to.
-    errors : ndarray of float64, shape (n, 2, 3, 2)
-        As of `sweep_pings`.
+    errors, bin_errors : ndarray of float64, shape (n, 2, 3, 2), and of float32, shape (n, 2, bins)
+        As of `sweep_pings`; added to.
     """
     line, shares = np.zeros(arrays.bins, np.float32), empty_shares(fan, image_fan)
     sink = EchoSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), contributions, False)
@@ -129,8 +129,9 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sum
         for side in range(2):
             missed = errors[ping : ping + 1, side]
             add_multipath(
-                arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, out[ping, side], missed
-            )
+                arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, out[ping, side], missed,
+                bin_errors[ping, side],
+            )  # fmt: skip
 
 
 @inlined
@@ -140,7 +141,9 @@ def empty_shares(fan, image_fan):
 
 
 @kernel_uncounted
-def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed):
+def add_multipath(
+    arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed, bin_errors
+):
     """Add the echoes by way of the sea surface to one side of one ping; ``missed`` has a row if errors are estimated.
 
     The echo of the surface itself does not count in them: it is exact, and may outweigh all others.
@@ -167,7 +170,7 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink, su
                 row = k if of_image == 0 else fan.azimuth.size + k - first
                 add_plane(sums, bins, shares[row], arrays.bins, beam.azimuth[k], beam.apart[k] or k == first)
     if is_measured:
-        finish_side(sums, factor, line, missed[0])
+        finish_side(sums, factor, line, missed[0], bin_errors)
     else:
         accumulate_bins(bins, factor, line)
     _add_line(line, intensity)

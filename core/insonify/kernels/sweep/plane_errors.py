@@ -254,22 +254,42 @@ def variance_factor(first, second):
 
 
 @kernel_uncounted
-def finish_side(sums, factor, out, errors):
+def finish_side(sums, factor, out, errors, bin_errors):
     """Turn the sum of all planes into intensities, and find by region the squares of its error.
 
     ``errors``, (regions, 2), takes those over the record of a level bed; NaN where no planes can be compared.
+    ``bin_errors``, (bins,) or empty, takes the error of each bin as an intensity.
     """
     _end_piece(sums)
     for region in range(REGIONS):
         found = sums.sums[region]
         if found[COMPARED] > 0.0:
-            errors[region, 0] += 2.0 * found[MISSED] * found[ALL] / found[COMPARED]
+            square = 2.0 * found[MISSED] * found[ALL] / found[COMPARED]
+            errors[region, 0] += square
+            if bin_errors.size > 0:
+                _share_error(sums, region, square, factor, bin_errors)
         elif found[ALL] > 0.0:
             errors[region, 0] = np.nan
+            bin_errors[sums.edges[region, 0] : sums.edges[region, 1]] = np.nan
+    if bin_errors.size > 0:
+        bin_errors[sums.edges[COLUMN, 1] : sums.edges[NEAR, 0]] = np.nan  # where planes are not compared
     total = sums.total
     for k in range(total.size):
         # Weights interpolated in a table may be negative by rounding; intensities are never below zero.
         out[k] = max(total[k], np.int64(0)) * (factor[k] * (1.0 / FIXED_POINT))
+
+
+@kernel_uncounted
+def _share_error(sums, region, square, factor, bin_errors):
+    """Add the square of a region's error to those of its bins, by what planes may miss in each."""
+    part, whole = slice(sums.edges[region, 0], sums.edges[region, 1]), 0.0
+    squares, scale, decay, out = sums.squares[part], sums.scale[part], factor[part], bin_errors[part]
+    for k in range(out.size):
+        whole += squares[k]
+    for k in range(out.size):
+        if squares[k] > 0.0:
+            own = math.sqrt(square * squares[k] / whole) * decay[k] / (scale[k] * FIXED_POINT)
+            out[k] = math.hypot(out[k], own)
 
 
 @kernel_uncounted

@@ -154,7 +154,7 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
 
 
 @kernel
-def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors):
+def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors, bin_errors):
     """Sweep every plane of every ping, and estimate what their sum misses.
 
     Parameters
@@ -173,14 +173,16 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors):
     errors : ndarray of float64, shape (n, 2, 3, 2)
         Takes by region the squares of the error and of the record over that of a level bed; with no pings, no error is
         estimated.
+    bin_errors : ndarray of float32, shape (n, 2, bins)
+        Takes the error of every bin as an intensity; without bins, none is found.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     shares = np.zeros((fan.azimuth.size, NODES + 1))
-    _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors)
+    _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors):
+def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors):
     """Sweep every plane of every ping, without counting references."""
     is_measured = can_measure(fan, errors)
     for ping in range(poses.x.size):
@@ -196,7 +198,7 @@ def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out,
                     add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
             if is_measured:
                 errors[ping, side] = 0.0
-                finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side])
+                finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side], bin_errors[ping, side])
                 square_record(sums, arrays.range_factor, out[ping, side], errors[ping, side])
             else:
                 accumulate_bins(bins, arrays.range_factor, out[ping, side])

@@ -1,0 +1,45 @@
+"""Estimated error of a record, and a warning of pings that even the most planes do not bring within the tolerance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from insonify.arrays import Floats, Integers
+from insonify.errors import PlanWarning, warn_caller
+from insonify.planning.plan_entries import percent
+from insonify.tracers.plane_counts import MOST_PLANES
+
+
+@dataclass
+class RecordError:
+    """Estimated errors of the pings of a record so far."""
+
+    tolerance: float
+    known: int = 0  # pings of a known error
+    squares: float = 0.0  # of their errors, in all
+    over: int = 0  # pings whose error exceeds the tolerance with the most planes
+    worst: tuple[float, int] = (0.0, -1)  # the greatest error of those, and its ping
+
+    def add(self, pings: Integers, errors: Floats, planes: Integers) -> None:
+        """Add pings by their numbers, their estimated errors and the planes that they are traced by."""
+        known = errors[~np.isnan(errors)].astype(np.float64)
+        self.known, self.squares = self.known + known.size, self.squares + float(known @ known)
+        over = np.flatnonzero((planes >= MOST_PLANES) & (errors > self.tolerance))
+        self.over += over.size
+        self.worst = max([self.worst, *((float(errors[k]), int(pings[k])) for k in over)])
+
+    @property
+    def whole(self) -> float:
+        """Root of the mean square of the errors; NaN where none is known."""
+        return float(np.sqrt(self.squares / self.known)) if self.known else float("nan")
+
+    def warn(self) -> None:
+        """Warn of the pings whose error exceeds the tolerance."""
+        if self.over == 0:
+            return
+        error, ping = self.worst
+        pings = "ping has" if self.over == 1 else "pings have"
+        beyond = f"beyond the tolerance of {percent(self.tolerance)} with {MOST_PLANES} planes"
+        remedy = "raise the tolerance, or leave such pings out by the variable 'error'"
+        worst = f"the greatest is ping {ping} with {percent(error)}"
+        warn_caller(PlanWarning(f"{self.over} {pings} an estimated error {beyond}, {worst}; {remedy}"))
