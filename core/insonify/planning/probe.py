@@ -34,7 +34,7 @@ MEASURED = 16  # pings on which the errors of planes are measured
 FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
-LEAST_TRUST = 0.15
+LEAST_TRUST = 0.3
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 

@@ -119,7 +119,7 @@ def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
     if model.planes == 1 and model.across == 0:  # else pings that meet a target have several
         return None
     trust = PLANES.law(case, model).trust
-    # Beside a level bed that errs by nothing the pings measured are a few that meet targets: too few to be trusted more.
+    # Over a level bed, which errs by nothing, the pings measured are the few that meet targets: no reason for less.
     return Goal(OF_PLANES * tolerance, trust if model.planes > 1 else max(trust, 1.0))
 
 

@@ -1,5 +1,6 @@
 """Estimated error of a record, and a warning of pings that even the most planes do not bring within the tolerance."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ from insonify.errors import PlanWarning, warn_caller
 from insonify.planning.plan_entries import percent
 from insonify.tracers.plane_counts import MOST_PLANES
 
+UNIT, MOST = 2.0**40, 1e3  # squares of errors are counted in 2⁻⁴⁰; greatest error that counts
+
 
 @dataclass
 class RecordError:
@@ -16,14 +19,15 @@ class RecordError:
 
     tolerance: float
     known: int = 0  # pings of a known error
-    squares: float = 0.0  # of their errors, in all
+    squares: int = 0  # of their errors, in all: whole numbers, the sum of which is the same in blocks of any size
     over: int = 0  # pings whose error exceeds the tolerance with the most planes
     worst: tuple[float, int] = (0.0, -1)  # the greatest error of those, and its ping
 
     def add(self, pings: Integers, errors: Floats, planes: Integers) -> None:
         """Add pings by their numbers, their estimated errors and the planes that they are traced by."""
-        known = errors[~np.isnan(errors)].astype(np.float64)
-        self.known, self.squares = self.known + known.size, self.squares + float(known @ known)
+        known = np.minimum(errors[~np.isnan(errors)].astype(np.float64), MOST)
+        self.known += known.size
+        self.squares += int(np.rint(UNIT * known * known).astype(np.int64).sum())
         over = np.flatnonzero((planes >= MOST_PLANES) & (errors > self.tolerance))
         self.over += over.size
         self.worst = max([self.worst, *((float(errors[k]), int(pings[k])) for k in over)])
@@ -31,7 +35,7 @@ class RecordError:
     @property
     def whole(self) -> float:
         """Root of the mean square of the errors; NaN where none is known."""
-        return float(np.sqrt(self.squares / self.known)) if self.known else float("nan")
+        return math.sqrt(self.squares / UNIT / self.known) if self.known else float("nan")
 
     def warn(self) -> None:
         """Warn of the pings whose error exceeds the tolerance."""

@@ -177,8 +177,9 @@ def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height
     sines = np.sin(low), np.sin(high)
     if (fan.s_low >= 0.0).all():  # of a top-hat, for which both sides of athwart are alike
         sines = np.minimum(*np.abs(sines)), np.maximum(*np.abs(sines))
-    columns = [np.ascontiguousarray(each) for each in (0.5 * (low + high), *sines, angle, far_angle, near_field, reach)]
-    return AzimuthFan(*columns, apart=apart > 0.5)
+    columns: tuple[Floats, ...] = (0.5 * (low + high), *sines, angle, far_angle, near_field, reach)
+    azimuth, s_low, s_high, angle, far_angle, near_field, reach = (np.ascontiguousarray(each) for each in columns)
+    return AzimuthFan(azimuth, s_low, s_high, angle, far_angle, near_field, reach, apart > 0.5)
 
 
 def _edges(fan: AzimuthFan) -> tuple[Floats, Floats]:
