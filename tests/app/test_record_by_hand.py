@@ -278,7 +278,7 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
     QTest.mouseMove(waterfall, waterfall.place_of(mark))
     waterfall.hovered.emit(mark)
     errors = viewer.panels["error"].widget
-    assert re.fullmatch(r"this ping [\d.]+ %, record [\d.]+ % of 3 %", errors.text())
+    assert re.fullmatch(r"error: this ping [\d.]+ %, record [\d.]+ % of 3 %", errors.text())
     assert "slant 30.25 m" in readout.text(), "at once, and the rest a moment later"
     qtbot.waitUntil(lambda: "incidence" in readout.text())
     # Bin 60 of 100 over 50 m, sonar 10 m over the bed.

@@ -56,4 +56,4 @@ def describe_errors(record: Record, ping: int, tolerance: float) -> str:
         return ""
     whole = f"record {percent(math.sqrt(float(np.mean(np.square(known)))))} of {percent(tolerance)}"
     own = record.error_of(ping)
-    return whole if math.isnan(own) else f"this ping {percent(own)}, {whole}"
+    return f"error: {whole}" if math.isnan(own) else f"error: this ping {percent(own)}, {whole}"

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
+from insonify.planning.plan_entries import percent
 from insonify_viewer.core_types import CrossSection, PixelExplanation
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets import theme
@@ -319,8 +320,8 @@ def _obstructions(explanation: PixelExplanation) -> list[Row]:
 
 def _errors(explanation: PixelExplanation) -> list[Row]:
     """Errors of tracing where they are known: of the side of the ping, and of this bin over its mean echo."""
-    side = ("of this side of the ping", _percent(explanation.error), "", math.nan)
-    own = ("of this bin", _percent(explanation.bin_error), "of its mean echo", math.nan)
+    side = ("of this side of the ping", percent(explanation.error), "", math.nan)
+    own = ("of this bin", percent(explanation.bin_error), "of its mean echo", math.nan)
     return [row for row, error in ((side, explanation.error), (own, explanation.bin_error)) if not math.isnan(error)]
 
 
