@@ -1,7 +1,5 @@
 """The record is looked back along, pointed at, explained, marked and wiped by mouse and keys; the readout follows."""
 
-import re
-
 import numpy as np
 import pytest
 from controls import activate, finish, move_mouse, picture_of
@@ -278,7 +276,7 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
     QTest.mouseMove(waterfall, waterfall.place_of(mark))
     waterfall.hovered.emit(mark)
     errors = viewer.panels["error"].widget
-    assert re.fullmatch(r"this ping [\d.]+ %, record [\d.]+ % of 3 %", errors.text())
+    assert errors.text() == "error: this ping 3 %, record 4.4 % of 3 %"  # √(2525 / 128)
     assert "slant 30.25 m" in readout.text(), "at once, and the rest a moment later"
     qtbot.waitUntil(lambda: "incidence" in readout.text())
     # Bin 60 of 100 over 50 m, sonar 10 m over the bed.
@@ -286,6 +284,7 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
         assert part in readout.text()
     waterfall.hovered.emit(None)
     assert readout.text() == ""
+    assert errors.text().startswith("error: this ping 2 %, "), "the newest, ping 127"
     # It names what a pixel is.
     for range_bin, told, untold in (
         (4, ["water column"], ["bed", "  ·  0", "dB"]),

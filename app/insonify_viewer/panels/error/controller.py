@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from insonify.planning.plan_entries import percent
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
 from insonify_viewer.record.record import Record, RecordGrowth
+from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets.buttons import make_label
 
 TIP = (
@@ -54,6 +54,6 @@ def describe_errors(record: Record, ping: int, tolerance: float) -> str:
     known = record.error[(record.ping >= 0) & np.isfinite(record.error)]
     if not known.size:
         return ""
-    whole = f"record {percent(math.sqrt(float(np.mean(np.square(known)))))} of {percent(tolerance)}"
+    whole = f"record {format_share(math.sqrt(float(np.mean(np.square(known)))))} of {format_share(tolerance)}"
     own = record.error_of(ping)
-    return whole if math.isnan(own) else f"this ping {percent(own)}, {whole}"
+    return f"error: {whole}" if math.isnan(own) else f"error: this ping {format_share(own)}, {whole}"

@@ -14,6 +14,7 @@ from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
 from insonify_viewer.core_types import CrossSection, PixelExplanation
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
@@ -319,8 +320,8 @@ def _obstructions(explanation: PixelExplanation) -> list[Row]:
 
 def _errors(explanation: PixelExplanation) -> list[Row]:
     """Errors of tracing where they are known: of the side of the ping, and of this bin over its mean echo."""
-    side = ("of this side of the ping", _percent(explanation.error), "", math.nan)
-    own = ("of this bin", _percent(explanation.bin_error), "of its mean echo", math.nan)
+    side = ("of this side of the ping", format_share(explanation.error), "", math.nan)
+    own = ("of this bin", format_share(explanation.bin_error), "of its mean echo", math.nan)
     return [row for row, error in ((side, explanation.error), (own, explanation.bin_error)) if not math.isnan(error)]
 
 
