@@ -34,7 +34,7 @@ MEASURED = 16  # pings on which the errors of planes are measured
 FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
-LEAST_TRUST = 0.3
+LEAST_TRUST = 0.5
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
@@ -166,10 +166,10 @@ class Probe:
             poses, across = take_poses(self._poses, slice(count)), self._is_across[:count]
             few, many = (self._measure(model._replace(planes=planes), poses) for planes in (FEW_PLANES, MANY_PLANES))
             one, other = (each.echoes[:, :, self._near :] * self._scale[:count] for each in (few, many))
-            missed, whole = (np.square(part).sum(axis=(1, 2), dtype=np.float64) for part in (one - other, other))
-            errors = np.stack(
-                [_ratio(missed, whole), *(errors_over_bed(each.squares.sum(axis=1)) for each in (few, many))]
-            )
+            squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
+            found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
+            estimated = (errors_over_bed(each.squares.sum(axis=1)) for each in (few, many))
+            errors = np.stack([np.maximum(*found), *estimated])
             self._laws[model] = _fit_law(errors, [group for group in (~across, across) if group.any()])
         return self._laws[model]
 

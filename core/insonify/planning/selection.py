@@ -12,7 +12,7 @@ from insonify.planning.choices.fineness import Planes
 from insonify.planning.plan_entries import Plan
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
-from insonify.tracers.plane_counts import Goal
+from insonify.tracers.plane_counts import MOST_PLANES, Goal
 
 # Shares of the tolerance: of refraction, of paths by the surface, of segments and of nodes if they are left out, and of
 # planes or rays. Their squares add up to one.
@@ -107,9 +107,15 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     share = cost / apart if apart > 0.0 else 1.0
     entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
     # A single plane is not measured ping by ping.
+    goal = _find_goal(case, model, tolerance)
+    if goal is not None and model.planes > 1:  # pings of a greater error have more planes
+        least = max(goal.tolerance, PLANES.law(case, model).of(MOST_PLANES))
+        entries = [
+            replace(each, error=min(each.error, least)) if each.subject == PLANES.subject else each for each in entries
+        ]
     left_out = math.hypot(*(entry.error for entry in entries if entry.subject != PLANES.subject or model.planes == 1))
     error = math.hypot(*(entry.error for entry in entries))
-    return Plan(model, tuple(entries), error, left_out, _find_goal(case, model, tolerance), case.work(model), cost)
+    return Plan(model, tuple(entries), error, left_out, goal, case.work(model), cost)
 
 
 def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:

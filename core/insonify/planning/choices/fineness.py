@@ -125,7 +125,8 @@ class Planes(Number):
             )
             if self.wish(case) is None:
                 reason += "; a ping of a greater error than the tolerance has more"
-        cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
+        alike = model._replace(across=0)
+        cost = case.probe.seconds(alike) - case.probe.seconds(alike._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
 
