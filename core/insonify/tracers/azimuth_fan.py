@@ -19,12 +19,12 @@ from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
-    TargetSectors,
     divide_at_targets,
+    find_divided_pings,
     find_pings_met,
-    find_pings_to_divide,
     find_target_sectors,
     has_bodies,
+    split_pings,
 )
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
@@ -58,16 +58,17 @@ def lay_planes(
     laid = _lay_alike(arrays, poses, planes, laid_at)
     if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
         return laid
-    sectors, height = find_target_sectors(arrays, poses, across), np.maximum(poses.z - arrays.bed.low, LOWEST)
     own: list[tuple[Integers, AzimuthFan]] = []
     # One plane stands for a whole beam that meets no target.
     for places, fan in _lay_alike(arrays, poses, planes if planes > 1 else LEAST_PLANES, laid_at, divided=True):
-        of_fan = TargetSectors(*(column[places] for column in sectors))
-        divided = places[find_pings_to_divide(fan, of_fan, height[places])]
-        own += [(np.array([ping]), divide_at_targets(fan, sectors, ping, height, across)) for ping in divided]
-        if planes == 1:
-            met = np.setdiff1d(places[find_pings_met(arrays, take_poses(poses, places), fan)], divided)
-            own += [(met, fan)] if met.size > 0 else []
+        for part in split_pings(arrays, places):
+            some = take_poses(poses, part)
+            sectors, height = find_target_sectors(arrays, some, across), np.maximum(some.z - arrays.bed.low, LOWEST)
+            divided = find_divided_pings(fan, sectors, height)
+            own += [(part[[ping]], divide_at_targets(fan, sectors, ping, height, across)) for ping in divided]
+            if planes == 1:
+                met = np.setdiff1d(part[find_pings_met(arrays, some, fan)], part[divided])
+                own += [(met, fan)] if met.size > 0 else []
     if not own:
         return laid
     taken = np.concatenate([places for places, _ in own])

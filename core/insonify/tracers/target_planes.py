@@ -11,7 +11,7 @@ import numpy as np
 
 from insonify.array_cache import remember_latest
 from insonify.arrays import Booleans, Floats, Integers
-from insonify.kernels.beam.divided_sectors import AT_EDGE, LEAST, divide_sectors
+from insonify.kernels.beam.divided_sectors import LEAST, divide_sectors, find_pings_to_divide
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.scene import Scene
@@ -24,7 +24,7 @@ MOST_OF_EACH = 64  # planes that a ping gets for its targets, per plane across e
 DIRECTIONS = 32  # in which the outline of a mesh is found
 BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond it at most, per metre of its breadth
 COUNTED = 64  # pings over the track on which planes are counted
-MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
+MOST_AT_ONCE = 1 << 18  # pairs of pings and bodies of which the sectors are found at once
 CORNERS = 4  # of a solid from above
 LEANING = 0.5  # sine of the angle with the level below which a body counts as lying
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
@@ -54,6 +54,12 @@ class _Outlines(NamedTuple):
 def has_bodies(arrays: SceneArrays) -> bool:
     """Whether a scene has targets."""
     return arrays.solids.shape.size + arrays.mesh.target.size > 0
+
+
+def split_pings(arrays: SceneArrays, places: Integers) -> list[Integers]:
+    """Split pings into parts of which the sectors of all targets fit in little memory."""
+    bodies = 2 * (arrays.solids.shape.size + np.unique(arrays.mesh.target).size)
+    return np.array_split(places, max(places.size * bodies // MOST_AT_ONCE, 1))
 
 
 def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
@@ -117,7 +123,7 @@ def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: Azim
     sectors, known = _sectors_over_track(scene, arrays, across)
     planes, pings = fan.azimuth.size, sectors.low.shape[0]
     if planes not in known:
-        divided = find_pings_to_divide(fan, sectors, np.full(pings, scene.altitude))
+        divided = find_divided_pings(fan, sectors, np.full(pings, scene.altitude))
         half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
         low, high, step, nearest = (column[divided] for column in sectors[:4])
         within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
@@ -138,40 +144,22 @@ def _sectors_over_track(
     return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across), {}
 
 
-def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
+def find_divided_pings(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
     """Pings with planes to divide for a body across them within reach, in order, by height above the lowest bed, m."""
+    bodies = np.stack(sectors[:4], axis=2)
+    return np.flatnonzero(find_pings_to_divide(_as_table(fan), bodies, sectors.corners, height))
+
+
+def _as_table(fan: AzimuthFan) -> Floats:
+    """Sectors of a fan as `divide_sectors` takes them."""
     low, high = _edges(fan)
-    met = (sectors.low < high.max()) & (sectors.high > low.min()) & np.isfinite(sectors.step)
-    bodies = np.flatnonzero(met.any(axis=0))
-    if bodies.size == 0 or height.size == 0:
-        return np.zeros(0, np.int64)
-    some = TargetSectors(*(column[:, bodies] for column in sectors))
-    reaching = fan.take(fan.reach * height.max() >= some.nearest.min())
-    at_once = max(MOST_AT_ONCE // max(reaching.azimuth.size * bodies.size, 1), 1)
-    parts = (slice(first, first + at_once) for first in range(0, height.size, at_once))
-    divided = [find_planes_to_divide(reaching, some, part, height).any(axis=(1, 2)) for part in parts]
-    return np.flatnonzero(np.concatenate(divided))
-
-
-def find_planes_to_divide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
-    """Which planes of which pings, (pings, planes, sides × bodies), are too wide for a body or hold an end of it."""
-    low, high = (edge[:, None] for edge in _edges(fan))
-    a, b, step, nearest = (column[pings, None, :] for column in sectors[:4])
-    reached = (nearest <= fan.reach[:, None] * height[pings, None, None]) & np.isfinite(step)
-    is_wide = (low < b) & (high > a) & (high - low > (1.0 + LEAST) * step)
-    # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
-    inward = AT_EDGE * (high - low)
-    borders = (a, b, *np.moveaxis(sectors.corners[pings, None], -1, 0))
-    holds_end = np.any([(low + inward < border) & (border < high - inward) for border in borders], axis=0)
-    return np.asarray((is_wide | holds_end) & reached)
+    return np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
     """Divide the planes of a fan that are too wide for the targets of one ping, or hold their borders."""
-    low, high = _edges(fan)
-    planes = np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
-    bodies = np.column_stack([column[ping] for column in sectors[:4]])
-    most = MOST_OF_EACH * across + low.size
+    planes, bodies = _as_table(fan), np.column_stack([column[ping] for column in sectors[:4]])
+    most = MOST_OF_EACH * across + len(planes)
     parts = divide_sectors(planes, bodies, sectors.corners[ping], float(height[ping]), most)
     low, high, angle, far_angle, near_field, reach, apart = parts.T
     sines = np.sin(low), np.sin(high)

@@ -76,21 +76,49 @@ def _find_demands(planes, bodies, corners, height):
     """Which planes are to be divided, and which bodies demand it."""
     is_dense, concerned = np.zeros(planes.shape[0], np.bool_), np.zeros(bodies.shape[0], np.bool_)
     for j in range(bodies.shape[0]):
-        begin, end, step, nearest = bodies[j, 0], bodies[j, 1], bodies[j, 2], bodies[j, 3]
-        if not step < math.inf:
-            continue
         for k in range(planes.shape[0]):
-            low, high = planes[k, LOW], planes[k, HIGH]
-            if nearest > planes[k, REACH] * height or end < low or begin > high:
-                continue
-            inward = AT_EDGE * (high - low)
-            divides = low < end and high > begin and high - low > (1.0 + LEAST) * step
-            divides |= (low + inward < begin < high - inward) or (low + inward < end < high - inward)
-            for c in range(corners.shape[1]):
-                divides |= low + inward < corners[j, c] < high - inward
-            if divides:
+            if _is_demanded(planes[k], bodies[j], corners[j], height):
                 is_dense[k] = concerned[j] = True
     return is_dense, concerned
+
+
+@inlined
+def _is_demanded(plane, body, corners, height):
+    """Whether a plane is too wide for a body, or holds a border of it."""
+    low, high, begin, end, step = plane[LOW], plane[HIGH], body[0], body[1], body[2]
+    if not step < math.inf or end < low or begin > high or body[3] > plane[REACH] * height:
+        return False
+    # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
+    inward = AT_EDGE * (high - low)
+    demanded = low < end and high > begin and high - low > (1.0 + LEAST) * step
+    demanded |= (low + inward < begin < high - inward) or (low + inward < end < high - inward)
+    for c in range(corners.size):
+        demanded |= low + inward < corners[c] < high - inward
+    return demanded
+
+
+@kernel
+def find_pings_to_divide(planes, bodies, corners, height):
+    """Whether any sector of each ping is to be divided, (pings,).
+
+    Parameters
+    ----------
+    planes : ndarray of float64, shape (planes, COLUMNS)
+    bodies, corners : ndarray of float64, shapes (pings, bodies, 4) and (pings, bodies, corners)
+    height : ndarray of float64, shape (pings,)
+        All of each ping as `divide_sectors` has them.
+    """
+    found, least, most = np.zeros(height.size, np.bool_), planes[0, LOW], planes[-1, HIGH]
+    for ping in range(height.size):
+        for j in range(bodies.shape[1]):
+            body = bodies[ping, j]
+            if body[1] < least or body[0] > most:
+                continue
+            for k in range(planes.shape[0]):
+                found[ping] |= _is_demanded(planes[k], body, corners[ping, j], height[ping])
+            if found[ping]:
+                break
+    return found
 
 
 @inlined
