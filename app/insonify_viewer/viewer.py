@@ -360,7 +360,9 @@ class Viewer(QObject):
         on_screen = (age >= 0) & (age < self.record.pings)
         whole = bool(on_screen.all())
         some = slice(None) if whole else on_screen  # a mask copies megabytes
-        rows = self.record.put(answer.pings[some], answer.amplitude[some], answer.stamps[some], answer.altitude[some])
+        error = None if answer.error is None else answer.error[some]
+        place = answer.pings[some], answer.amplitude[some], answer.stamps[some], answer.altitude[some]
+        rows = self.record.put(*place, error)
         self._settle_levels()
         self.window.waterfall.show_rows(rows, answer.reach, preview=bool(answer.between.any()))
         newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top

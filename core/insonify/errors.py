@@ -38,7 +38,7 @@ class ExtensionWarning(FileWarning):
 
 
 class PlanWarning(UserWarning):
-    """The estimated error of a record exceeds the tolerance, in one sentence that names the choice that errs most."""
+    """The estimated error of a record or of some pings exceeds the tolerance, in one sentence with the remedy."""
 
 
 def warn_caller(warning: Warning) -> None:

@@ -9,9 +9,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Dataset, Integers, Singles
+from insonify.arrays import Booleans, Dataset, Floats, Integers, Singles
 from insonify.errors import PlanWarning, warn_caller
 from insonify.io.record_block import RecordBlock
+from insonify.io.record_schema import RECORD_ERROR
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import PackedScene, pack
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -22,13 +23,23 @@ from insonify.receiver import Reception, Traced, assemble, prepare_setup, record
 from insonify.receiver.levels import Crosstalk
 from insonify.receiver.water_column import WaterColumn
 from insonify.record.labels import Columns
+from insonify.record.record_error import RecordError
 from insonify.record.target_truth import TargetTruth, find_target_truth, join_target_truth
 from insonify.record.variables import make_block, record_attributes
 from insonify.scene import Scene, SceneError
 from insonify.tow.poses import refuse_sonar_in_bed, refuse_track_off_bed, take_poses
 from insonify.tracers.base import PreparedTracer, new_record, prepare_tracer
 from insonify.tracers.labels import RecordLabels, trace_labels
-from insonify.tracers.sweep import Sweep
+from insonify.tracers.plane_counts import (
+    TracedPings,
+    empty_bin_errors,
+    empty_squares,
+    errors_of_sides,
+    more_across,
+    trace_by_count,
+    trace_until,
+)
+from insonify.tracers.sweep import Sweep, trace_measured
 
 UNKNOWN_COST = 1e-4  # s, of a ping, where a kept plan has none
 BLOCK_TIME = 0.25  # s, predicted for a block
@@ -44,7 +55,9 @@ class PingBlock(NamedTuple):
 
     pings: Integers  # (n,) their numbers
     poses: Poses  # their poses
-    columns: Columns  # ``intensity``, and labels by their names if requested, (n, 2, bins) each
+    # ``intensity``, and labels by their names and ``bin_error`` if requested, (n, 2, bins) each; ``error`` of sides,
+    # (n, 2); ``ping_error`` and ``planes``, (n,); with the last ping ``record_error`` of all of them.
+    columns: Columns
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,6 +68,7 @@ class Simulation(PackedScene):
     """
 
     plan: Plan  # method and settings of the tracing
+    tolerance: float  # greatest error that a ping is to have
     reduced: SceneArrays  # the scene without the effects that the plan leaves out, which is traced
     tiles: TerrainTiles  # the ground about each ping, with as many nodes as the plan keeps
     tracer: PreparedTracer  # the method that finds echoes
@@ -74,31 +88,103 @@ class Simulation(PackedScene):
         (n, 2, bins) float32
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
+        return self.trace_record(pings)[0]
+
+    def trace_record(self, pings: Integers) -> tuple[Singles, Singles]:
+        """Trace and receive pings as `intensity` does, and estimate their errors of both sides together, (n,)."""
         pings = np.ascontiguousarray(pings, dtype=np.int64)
-        return self.record(pings, self.poses(pings))
+        poses = self.poses(pings)
+        refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
+        traced = self.trace_pings(poses)
+        return self.record(pings, poses, traced=traced), self.errors(traced.squares.sum(axis=1))
 
     def record(
-        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: Traced | None = None
+        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: TracedPings | None = None
     ) -> Singles:
         """Trace, unless that is done, and receive pings at given poses, into ``out`` if it is given."""
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None
-            traced = self.trace(poses) if traced is None else traced
+            traced = self.trace_pings(poses) if traced is None else traced
             if shapes is not None:
-                divided = self.trace(poses, self.reduced._replace(reflectivity=shapes))
-            return record_echoes(self.reception, traced, pings, divided, out)
+                divided = self._trace_by(traced.planes, poses, self.reduced._replace(reflectivity=shapes))
+            return record_echoes(self.reception, traced.echoes, pings, divided, out)
 
-    def trace(self, poses: Poses, arrays: SceneArrays | None = None) -> Traced:
+    def trace(self, poses: Poses) -> Traced:
         """Trace echoes of an ideal pulse: their mean energy, or their waves where the receiver adds others to them."""
-        trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
+        return self.trace_pings(poses).echoes
+
+    def trace_pings(self, poses: Poses, *, of_bins: bool = False) -> TracedPings:
+        """Trace pings as `trace` does, each by as many planes as its error requires; find that of bins if wanted."""
+        if not self.estimates_errors:
+            planes = np.full(poses.x.size, self.plan.planes, np.int64)
+            nothing = empty_squares(poses.x.size), planes, empty_bin_errors(poses.x.size)
+            return TracedPings(self._trace_by(planes, poses, self.reduced), *nothing)
         with limited_threads(self.threads):
-            echoes: Traced = self.tiles.map(
-                lambda tile, some: trace_pings(tile, some, **self.plan.settings),
-                self.reduced if arrays is None else arrays,
+            found = self.tiles.map(
+                lambda tile, some: trace_measured(
+                    tile, some, goal=self.plan.goal, of_bins=of_bins, **self.plan.settings
+                ),
+                self.reduced,
                 poses,
             )
-        return echoes
+        return TracedPings(*found)
+
+    @property
+    def estimates_errors(self) -> bool:
+        """Whether the planes of each ping estimate its error: those of the sweep, which sums energies."""
+        return isinstance(self.tracer, Sweep)
+
+    def _trace_by(self, planes: Integers, poses: Poses, arrays: SceneArrays) -> Traced:
+        """Trace pings by given numbers of planes."""
+        trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
+
+        def trace_some(places: Integers, count: int) -> Traced:
+            settings, some = self.settings_of(count), take_poses(poses, places)
+            found: Traced = self.tiles.map(lambda tile, part: trace_pings(tile, part, **settings), arrays, some)
+            return found
+
+        with limited_threads(self.threads):
+            return trace_by_count(planes, trace_some)
+
+    def settings_of(self, planes: int) -> dict[str, Any]:
+        """Arguments of the tracer for a ping of a number of planes."""
+        return _with_planes(self.plan.settings, planes, self.plan.planes)
+
+    def errors(self, squares: Floats) -> Singles:
+        """Estimated errors from their squares, (.., regions, 2): those of planes, and of what the plan leaves out.
+
+        Where planes give no estimate it is the error that the plan has measured; NaN in a plan that measured nothing.
+        """
+        by_planes = np.hypot(self._trust * errors_of_sides(squares), self.plan.left_out)
+        return np.where(_are_estimates(squares), by_planes, self._measured_error).astype(np.float32)
+
+    def bin_errors(self, traced: TracedPings) -> Singles:
+        """Estimated errors of the bins of pings that are traced with them, (n, 2, bins), as intensities of the record.
+
+        Over the echo of a level bed, their squares add up to that of the error of a side by planes.
+        """
+        by_planes = np.hypot(self._trust * traced.bin_errors, self.plan.left_out * traced.echoes)
+        is_estimate = _are_estimates(traced.squares)[..., None]
+        errors = np.where(is_estimate, by_planes, self._measured_error * traced.echoes)
+        return np.asarray(errors * self.reception.gain, np.float32)
+
+    def require_bin_errors(self, wanted: bool) -> None:
+        """Raise a SceneError if errors of bins are wanted that the tracer does not estimate."""
+        if wanted and not self.estimates_errors:
+            method = "coherent speckle" if self.plan.method == "sweep" else f"the method {self.plan.method!r}"
+            remedy = "leave it out" if self.plan.method == "sweep" else "leave it out or use the method 'sweep'"
+            raise SceneError(f"bin_error: {method} gives no estimate of the error of bins; {remedy}")
+
+    @property
+    def _trust(self) -> float:
+        """Error of planes over what they estimate."""
+        return 1.0 if self.plan.goal is None else self.plan.goal.trust
+
+    @property
+    def _measured_error(self) -> float:
+        """Error that the plan has measured; NaN if it measured nothing."""
+        return self.plan.error if self.plan.entries else np.nan
 
     def expect(self, pings: Integers) -> None:
         """Keep the ground beneath pings, (n,) numbers, that are traced again in any blocks, if memory allows."""
@@ -119,30 +205,36 @@ class Simulation(PackedScene):
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        labels, _ = self.labels(self.poses(pings))
-        return labels
+        return self.labels(self.poses(pings))[0]
 
     def labels(
         self, poses: Poses, *, traced: bool = False, targets_alone: bool = False
-    ) -> tuple[RecordLabels, Singles | None]:
+    ) -> tuple[RecordLabels, TracedPings]:
         """Label every range bin of pings at given poses, as `truth` does; return the echoes too if they are traced.
 
         With ``targets_alone`` pings that show the bed alone are not labelled with its places.
         """
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
-        settings = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
-        share = 0.0 if crosstalk is None else crosstalk.share
+        settings: dict[str, Any] = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
+        settings["crosstalk"], first = 0.0 if crosstalk is None else crosstalk.share, settings.get("planes", 16)
 
-        def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
-            volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-            echoes = new_record(tile, some) if traced else None
-            labels = trace_labels(tile, some, crosstalk=share, volumes=volumes, echoes=echoes, **settings)
-            return (*labels, echoes) if traced else labels
+        def label_some(places: Integers, planes: int) -> tuple[Any, ...]:
+            own = _with_planes(settings, planes, first)
+
+            def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
+                volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
+                echoes = new_record(tile, some) if traced else None
+                squares = empty_squares(some.x.size)
+                labels = trace_labels(tile, some, volumes=volumes, echoes=echoes, squares=squares, **own)
+                return (*labels, squares if echoes is None else echoes, squares)
+
+            found: tuple[Any, ...] = self.tiles.map(label_tile, self.reduced, take_poses(poses, places))
+            return found
 
         with limited_threads(self.threads):
-            columns = self.tiles.map(label_tile, self.reduced, poses)
-        fields = len(RecordLabels._fields)
-        return RecordLabels(*columns[:fields]), columns[fields] if traced else None
+            goal = self.plan.goal if self.estimates_errors else None
+            (*labels, echoes, squares), planes = trace_until(goal, first, poses.x.size, label_some)
+        return RecordLabels(*labels), TracedPings(echoes, squares, planes, empty_bin_errors(poses.x.size))
 
     def pings_within(self, seconds: float) -> int:
         """Return the number of pings that take about so long by the plan's cost, at least 1."""
@@ -150,24 +242,32 @@ class Simulation(PackedScene):
             return max(1, int(seconds * count_threads() / (self.plan.cost or UNKNOWN_COST)))
 
     def record_blocks(
-        self, truth: Truth = False, block: int | None = None, pings: range | None = None
+        self, truth: Truth = False, block: int | None = None, pings: range | None = None, *, bin_error: bool = False
     ) -> Iterator[PingBlock]:
         """Trace and receive successive pings, or all, as many at a time as take some time and memory."""
-        size = self._block_size(truth, streamed=True) if block is None else block
+        size, error = self._block_size(truth, streamed=True) if block is None else block, RecordError(self.tolerance)
         wanted = range(self.scene.track.pings) if pings is None else pings
         for first in range(wanted.start, wanted.stop, size):
             some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
             poses = self.poses(some)
-            yield PingBlock(some, poses, self._columns(some, poses, truth))
+            columns = self._columns(some, poses, truth, bin_error=bin_error)
+            error.add(some, columns["ping_error"], columns["planes"])
+            if some.size and some[-1] == wanted.stop - 1:
+                columns[RECORD_ERROR] = np.array(error.whole)
+            yield PingBlock(some, poses, columns)
+        self._warn_of(error)
 
-    def record_whole(self, truth: Truth, progress: Callable[[int, int], None] | None) -> PingBlock:
+    def record_whole(
+        self, truth: Truth, progress: Callable[[int, int], None] | None, *, bin_error: bool = False
+    ) -> PingBlock:
         """Trace and receive all pings, block by block into arrays of the record's length."""
         pings = np.arange(self.scene.track.pings, dtype=np.int64)
         size, poses, whole = self._block_size(truth, streamed=False), self.poses(pings), Columns()
         for first in range(0, pings.size, size):
             part = slice(first, min(first + size, pings.size))
             out = whole["intensity"][part] if whole else None
-            for name, column in self._columns(pings[part], take_poses(poses, part), truth, out).items():
+            found = self._columns(pings[part], take_poses(poses, part), truth, out, bin_error=bin_error)
+            for name, column in found.items():
                 if size >= pings.size:
                     whole[name] = column
                     continue
@@ -177,16 +277,32 @@ class Simulation(PackedScene):
                     whole[name][part] = column
             if progress is not None:
                 progress(part.stop, pings.size)
+        error = RecordError(self.tolerance)
+        error.add(pings, whole["ping_error"], whole["planes"])
+        self._warn_of(error)
+        whole[RECORD_ERROR] = np.array(error.whole)
         return PingBlock(pings, poses, whole)
 
-    def _columns(self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None) -> Columns:
-        """Intensity of some pings, and their labels if requested."""
-        if not truth:
-            return {"intensity": self.record(pings, poses, out)}
-        alone = truth == "targets"
-        labels, traced = self.labels(poses, traced=self._traces_by_labelling, targets_alone=alone)
-        names = OF_TARGETS if alone else labels._fields
-        return {"intensity": self.record(pings, poses, out, traced)} | {name: getattr(labels, name) for name in names}
+    def _warn_of(self, error: RecordError) -> None:
+        """Warn of pings beyond the tolerance, unless the plan is known to exceed it."""
+        if self.plan.goal is not None and self.plan.error <= self.tolerance:
+            error.warn()
+
+    def _columns(
+        self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None, *, bin_error: bool = False
+    ) -> Columns:
+        """Intensity of some pings and its estimated errors, and their labels if requested."""
+        columns, by_labelling = Columns(), bool(truth) and self._traces_by_labelling and not bin_error
+        if truth:
+            alone = truth == "targets"
+            labels, traced = self.labels(poses, traced=by_labelling, targets_alone=alone)
+            columns = {name: getattr(labels, name) for name in (OF_TARGETS if alone else labels._fields)}
+        if not by_labelling:
+            traced = self.trace_pings(poses, of_bins=bin_error)
+        if bin_error:
+            columns["bin_error"] = self.bin_errors(traced)  # before the echoes become the record
+        columns |= {"error": self.errors(traced.squares), "ping_error": self.errors(traced.squares.sum(axis=1))}
+        return {"intensity": self.record(pings, poses, out, traced), "planes": traced.planes, **columns}
 
     @property
     def _traces_by_labelling(self) -> bool:
@@ -207,6 +323,19 @@ class Simulation(PackedScene):
         bytes_a_ping = 2 * self.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * bool(truth))
         fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else self.scene.track.pings
         return max(1, min(fitting, self.pings_within(BLOCK_TIME)))
+
+
+def _are_estimates(squares: Floats) -> Booleans:
+    """Whether squares, (.., regions, 2), give an estimate of the error."""
+    return (squares[..., 1].sum(axis=-1) > 0.0) & np.isfinite(errors_of_sides(squares))
+
+
+def _with_planes(settings: Mapping[str, Any], planes: int, first: int) -> dict[str, Any]:
+    """Arguments of a tracer for another number of planes than the first."""
+    if planes == first:
+        return dict(settings)
+    across = more_across(planes, first, settings.get("across", 0))
+    return {**settings, "planes": planes} | ({"across": across} if across > 0 else {})
 
 
 def prepare(
@@ -257,6 +386,7 @@ def prepare(
             packed.ground,
             arrays,
             plan=plan,
+            tolerance=tolerance,
             reduced=packed.reduce(plan.model),
             tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
             tracer=tracer,
@@ -272,6 +402,7 @@ def simulate(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
     truth: Truth = False,
+    bin_error: bool = False,
     progress: Callable[[int, int], None] | None = None,
     threads: int | None = None,
 ) -> Dataset:
@@ -292,6 +423,9 @@ def simulate(
         Whether to add labels of every bin: the target, the material, shadow, ground range, incidence and path, as
         `Simulation.truth` has them. "targets" leaves out the material, ground range and incidence, and takes a fraction
         of the time: pings that meet no target are labelled by their echoes.
+    bin_error : bool
+        Whether to add the estimated error of every bin as ``bin_error``, in the unit of the intensity; NaN in the few
+        bins before the first return of a level bed, in which planes are not compared. Only the sweep estimates it.
     progress : callable, optional
         Called with the pings done and the pings in all.
     threads : int, optional
@@ -310,7 +444,8 @@ def simulate(
     """
     request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     simulation = prepare(scene, **request, threads=threads)
-    whole = simulation.record_whole(truth, progress)
+    simulation.require_bin_errors(bin_error)
+    whole = simulation.record_whole(truth, progress, bin_error=bin_error)
     found = find_target_truth(scene, whole.columns, 0) if truth else None
     attributes = record_attributes(scene, simulation.plan, **request)
     return make_block(scene, simulation.ground, *whole, found, attributes).to_dataset()
@@ -323,6 +458,7 @@ def simulate_blocks(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
     truth: Truth = False,
+    bin_error: bool = False,
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,
@@ -331,7 +467,7 @@ def simulate_blocks(
 
     Parameters
     ----------
-    scene, method, tolerance, forced, truth, threads
+    scene, method, tolerance, forced, truth, bin_error, threads
         As in `simulate`.
     block : int, optional
         Pings at a time; the record does not depend on it. By default as many as take a quarter of a second and 16 MB.
@@ -351,8 +487,8 @@ def simulate_blocks(
         is wrong in the scene.
     """
     request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    blocks = simulate_record_blocks(scene, **request, truth=truth, block=block, pings=pings)
-    return (simulated.to_dataset() for simulated in blocks)
+    request |= {"truth": truth, "bin_error": bin_error, "block": block, "pings": pings}
+    return (simulated.to_dataset() for simulated in simulate_record_blocks(scene, **request))
 
 
 def simulate_record_blocks(
@@ -362,6 +498,7 @@ def simulate_record_blocks(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
     truth: Truth = False,
+    bin_error: bool = False,
     block: int | None = None,
     pings: range | None = None,
     threads: int | None = None,
@@ -379,9 +516,10 @@ def simulate_record_blocks(
     def blocks() -> Iterator[RecordBlock]:
         request: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
         simulation = prepare(scene, **request, threads=threads)
+        simulation.require_bin_errors(bin_error)
         attributes = record_attributes(scene, simulation.plan, **request)
         so_far: list[TargetTruth] = []
-        for traced in simulation.record_blocks(truth, block, pings):
+        for traced in simulation.record_blocks(truth, block, pings, bin_error=bin_error):
             if truth:
                 so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
             yield make_block(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)

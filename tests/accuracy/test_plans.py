@@ -31,6 +31,7 @@ from insonify.planning.choices.fineness import OF_A_TARGET
 from insonify.planning.probe import trace_model, work_of
 from insonify.planning.selection import choose_model
 from insonify.scene import SceneError, edit
+from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import make_poses
 from random_scenes import planned_scene, short_scene, wide_scene
@@ -106,7 +107,8 @@ def judge(kind: str, seed: int, folder: Path, *, timed: bool = False) -> Verdict
     groups = [make_poses(scene, packed.ground, some) for some in pings if some.size]
     right, moved = trace_reference(packed, groups, tolerance)
     error = partial(error_of, packed, groups, right)
-    measured = error([trace_model(packed, plan.model, poses) for poses in groups])
+    simulation = prepare(scene, plan=plan, packed=packed)
+    measured = error([np.asarray(simulation.trace(poses), np.float32) for poses in groups])
     if not timed:
         return Verdict(scene.title, plan, tolerance, measured, moved)
     many = make_poses(scene, packed.ground, np.linspace(0, scene.track.pings - 1, TIMED).astype(np.int64))
@@ -149,7 +151,7 @@ KINDS: dict[str, tuple[Callable[..., Any], int, Callable[..., tuple[list[Record]
 def finest_of(packed: PackedScene) -> Model:
     case, bent = Case(packed, "auto", {}), bool(packed.arrays.water.bent)
     has_width = packed.scene.sonar.beam.has_width
-    planes, across = (2 * MOST_PLANES, 2 * OF_A_TARGET[-1]) if has_width else (1, 0)
+    planes, across = (2 * MOST_PLANES, 4 * OF_A_TARGET) if has_width else (1, 0)
     fine = Model(planes=planes, across=across, misplaced=SHARES[-1], rays=RAYS if bent else 0)
     return fine._replace(bent=bent, targets=case.near, ways=case.paths)
 
@@ -160,7 +162,7 @@ def charted(packed: PackedScene) -> list[Model]:
     planes = PLANES if packed.scene.sonar.beam.has_width else (1,)
     every = EVERY if packed.scene.seabed.relief.kind != "dem" else (1,)
     bent = (False, True) if finest.bent else (False,)
-    across = OF_A_TARGET if finest.across > 0 and finest.targets else (0,)
+    across = (OF_A_TARGET, 2 * OF_A_TARGET) if finest.across > 0 and finest.targets else (0,)
     settings = itertools.product(planes, across, every, bent, SHARES)
     models = [
         finest._replace(planes=k, across=a, every=n, bent=b, misplaced=m, rays=4000 if b else 0)

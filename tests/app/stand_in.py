@@ -73,6 +73,10 @@ class StandIn:
         amplitude[:, :, bins // 10 :] = diffuse * (1.0 + (pings % 7)[:, None, None] / 10.0)
         return np.asarray(amplitude**2 * np.maximum(self.curve, 1e-30), dtype=np.float32)
 
+    def trace_record(self, pings: NDArray[np.int64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Intensity, and errors of 1, 2 .. 7 % in turns."""
+        return self.intensity(pings), (0.01 * (1 + pings % 7)).astype(np.float32)
+
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
         """Bed past the water column; target 0 in bin 70, its shadow in 71; a ghost in 80; none in 90; volume 0 in 5."""
         shape = (len(pings), 2, self.scene.sonar.bins)

@@ -15,6 +15,7 @@ from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.state.inspection import Mark
 
 OWN = ["parameters", "plan", "record", "budget", "chart", "comparison", "jobs", "lessons", "pixel", "readout", "water"]
+OWN += ["error"]  # at the right
 
 
 class DummyPanel(Panel):

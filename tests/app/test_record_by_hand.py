@@ -275,6 +275,8 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
     assert waterfall.mark_at(waterfall.place_of(mark)) == mark
     QTest.mouseMove(waterfall, waterfall.place_of(mark))
     waterfall.hovered.emit(mark)
+    errors = viewer.panels["error"].widget
+    assert errors.text() == "error: this ping 3 %, record 4.4 % of 3 %"  # √(2525 / 128)
     assert "slant 30.25 m" in readout.text(), "at once, and the rest a moment later"
     qtbot.waitUntil(lambda: "incidence" in readout.text())
     # Bin 60 of 100 over 50 m, sonar 10 m over the bed.
@@ -282,6 +284,7 @@ def test_hover_tells_the_point_and_names_what_it_is(viewer, qtbot):
         assert part in readout.text()
     waterfall.hovered.emit(None)
     assert readout.text() == ""
+    assert errors.text().startswith("error: this ping 2 %, "), "the newest, ping 127"
     # It names what a pixel is.
     for range_bin, told, untold in (
         (4, ["water column"], ["bed", "  ·  0", "dB"]),

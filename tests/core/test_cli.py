@@ -50,6 +50,7 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         ("relief default -o x.nc", "end the name in .png"),
         ("render default -o x.xtf --truth", "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
         ("render default -o x.png --truth", "leave it out or end the name in one of them"),
+        ("render default -o x.xtf --error", "--error applies to .nc, .npz, .zarr, not to x.xtf"),
         ("rendre default", "did you mean 'insonify render'?"),
         ("describe a.png", "'describe' is neither a command nor a scene; 'insonify --help' lists the commands"),
         ("info a.png", "a.png: is no cast or navigation by its suffix; give a file that ends in one of"),

@@ -73,7 +73,7 @@ def bed_files(tmp_path_factory):
         "tow.csv": "time,y,x\n0,0,0\n2,1,2\n",
         "other_tow.csv": "time,depth\n0,20\n1,22\n",
         "cast.csv": "\n".join([head, *rows]),
-        "other_cast.csv": "\n".join([head, *rows[::-1], "20.3,25,35"]),
+        "other_cast.csv": "\n".join([head, *(f"{d},{19 - 0.1 * d},35" for d in range(30, -1, -1))]),
         "correlation.csv": "lag,autocorrelation\n0,1\n1,0.4\n3,0\n",
         "other_correlation.csv": "0,1\n1.5,0.3\n4,0\n",
     }.items():

@@ -157,7 +157,7 @@ limited = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the
         (crash, FileFault, "the library that reads it fails"),
         pytest.param(allocate, RuntimeError, "does not fit in memory", marks=limited),  # by the size of the file
         (refuse, SceneError, "^it is refused; mend it$"),
-        (find_fault, FileFault, r"^\('is odd', 'even it'\)$"),  # with its remedy
+        (find_fault, FileFault, r"^is odd; even it$"),  # with its remedy
         (fail, RuntimeError, "a name"),
     ],
 )

@@ -50,9 +50,6 @@ def test_a_knife_or_a_bed_without_detail_needs_one_plane_and_a_plain_scene_the_b
     assert bare.bed.heights is simulation.arrays.bed.heights
 
 
-GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}], "seabed.relief": "flat"}
-
-
 @pytest.mark.parametrize(
     ("less", "more", "setting"),
     [
@@ -61,21 +58,33 @@ GLINT = {"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}
         ({}, {"seabed.relief.beta": 1.0}, "planes"),
         ({}, {"seabed.relief.rms": 0.2}, "planes"),
         ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}, "planes"),
-        (GLINT, {"targets.0.material": "steel"}, "across"),
     ],
 )
-def test_more_detail_across_a_wider_beam_and_a_glint_need_more_planes(less, more, setting):
+def test_more_detail_across_a_wider_beam_needs_more_planes(less, more, setting):
     before = edit(BARE, less)
     assert getattr(plan(edit(before, more)).model, setting) > getattr(plan(before).model, setting)
 
 
-def test_planes_between_two_doublings_are_judged_by_twice_as_many():
+def test_a_glint_takes_more_planes_of_its_own_pings():
+    def planes(material):
+        ball = {"kind": "sphere", "position": [0, 20], "material": material}
+        simulation = prepare(edit(BARE, {"targets": [ball], "seabed.relief": "flat"}))
+        return simulation.trace_pings(simulation.poses(np.arange(0, 12, 2))).planes
+
+    dull, bright = planes("silt"), planes("steel")
+    assert (bright >= dull).all()
+    assert bright.sum() > dull.sum()
+    assert (bright[3:] == 1).all()  # the level bed beside it is alike across the beam
+
+
+@pytest.mark.parametrize("planes", [5, 7, 12])
+def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes):
     packed = pack(load_scene("ripples"))
-    made = choose_model(packed, 0.03, "auto", {"planes": "7"})
-    assert made.entry("planes").reason.startswith("7 and 14 planes differ by")
+    made = choose_model(packed, 0.03, "auto", {"planes": str(planes)})
+    assert made.entry("planes").reason.startswith("4 and 16 planes differ by")
     poses = make_poses(packed.scene, packed.ground, spread_over_track(packed.scene, 16))
-    seven, many = (trace_model(packed, made.model._replace(planes=planes), poses) for planes in (7, 256))
-    missed = compare_records(packed.arrays, poses, seven, many).beyond
+    some, many = (trace_model(packed, made.model._replace(planes=count), poses) for count in (planes, 256))
+    missed = compare_records(packed.arrays, poses, some, many).beyond
     assert 0.7 * missed < made.entry("planes").error < 1.4 * missed
 
 

@@ -6,6 +6,7 @@ from unittest.mock import Mock
 import netCDF4
 import numpy as np
 import pytest
+import pyxtf
 import xarray as xr
 import zarr
 
@@ -189,8 +190,10 @@ def test_files_do_not_depend_on_what_blocks_they_are_written_from(tmp_path, suff
 def test_xarray_shows_units_and_values(tmp_path, suffix):
     placed = scene("default", **{"world.crs": "EPSG:32631", "world.origin": [5e5, 4e6], "title": "ä"})
     path = tmp_path / f"a{suffix}"
-    write_record(path, simulate_blocks(placed, truth=True, block=2))
-    expected, read = simulate(placed, truth=True), read_record(path)
+    write_record(path, simulate_blocks(placed, truth=True, bin_error=True, block=2))
+    expected, read = simulate(placed, truth=True, bin_error=True), read_record(path)
+    assert {"error", "bin_error"} <= set(expected)
+    assert 0.0 < expected.attrs["record_error"] < 0.03
     xr.testing.assert_equal(read, expected)
     if suffix == ".npz":
         assert read.attrs == expected.attrs
@@ -214,6 +217,15 @@ def test_xarray_shows_units_and_values(tmp_path, suffix):
     np.testing.assert_array_equal(found.shadow_id.flag_values, [-2, 0, 1, 2])
     assert found.platform_longitude.attrs["standard_name"] == "longitude"
     np.testing.assert_allclose(found.platform_longitude[0], 3.0, atol=1e-5)
+
+
+def test_the_note_of_a_recording_has_the_error_of_the_record(tmp_path):
+    record = simulate(scene(title="x" * 80))
+    write_record(tmp_path / "a.xtf", [record.isel(ping_time=[k]) for k in range(6)])
+    header, _ = pyxtf.xtf_read(str(tmp_path / "a.xtf"))
+    note = header.NoteString.decode()
+    assert note == f"{note.partition(' (')[0]} (place made up), error {100.0 * record.attrs['record_error']:.2g} %"
+    assert len(note) == 63
 
 
 def test_blocks_of_pings_share_a_file_whatever_blocks_they_are_written_from(tmp_path):

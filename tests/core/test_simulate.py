@@ -11,7 +11,9 @@ import pytest
 import xarray as xr
 
 import insonify.simulation as module
+from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.compiler.build import own_build
+from insonify.errors import PlanWarning
 from insonify.io.record_schema import join_blocks
 from insonify.parallel import count_threads
 from insonify.planning import plan
@@ -131,7 +133,79 @@ def test_labels_alone_trace_no_record(monkeypatch):
 def test_a_record_goes_on_at_any_ping(name, first):
     scene = edit(load_scene(name), {"track.pings": 71, "sonar.bins": 200, "receiver.speckle": "rayleigh"})
     rest = xr.concat(simulate_blocks(scene, pings=range(first, 71), block=13), "ping_time", combine_attrs="override")
-    xr.testing.assert_identical(rest, simulate(scene).isel(ping_time=slice(first, None)))
+    whole = simulate(scene).isel(ping_time=slice(first, None))
+    for record in (rest, whole):  # error of all pings, which comes with the last block
+        record.attrs.pop("record_error", None)
+    xr.testing.assert_identical(rest, whole)
+
+
+STEADY = {"track.pings": 24, "receiver.speckle": "none"}
+
+
+@pytest.mark.parametrize("name", ["default", "targets", "ripples", "ghosts"])
+def test_a_record_carries_the_error_that_a_dense_one_finds_in_it(name):
+    simulation = prepare(edit(load_scene(name), STEADY))
+    arrays, poses = simulation.arrays, simulation.poses(np.arange(24))
+    traced = simulation.trace_pings(poses, of_bins=True)
+    dense = simulation.tracer.trace(simulation.reduced, poses, **simulation.settings_of(400)).astype(np.float64)
+    level = flat_bed_curve(arrays, float(poses.z[0]))
+    starts = [math.ceil(reach * poses.z[0] / arrays.bin_length) for reach in (1.0, 1.4)]
+    squares = [np.square(each / np.where(level > 0.0, level, 1.0)) for each in (traced.echoes - dense, dense)]
+    missed, whole = (np.array([each[..., start:].sum(axis=-1) for start in starts]) for each in squares)
+    found, estimated = np.sqrt(missed / whole).max(axis=0), simulation.errors(traced.squares)
+    assert np.mean(found <= 1.25 * estimated) >= 0.99
+    assert np.mean(estimated <= 3.0 * found) >= 0.8
+    bins = simulation.bin_errors(traced)
+    ratios = (np.abs(traced.echoes - dense) * simulation.reception.gain)[bins > 0.0] / bins[bins > 0.0]
+    assert np.median(ratios) < 1.0
+    assert np.quantile(ratios, 0.9) < 2.5
+
+
+# Echoes by way of the surface are compared with a level bed in planes of their own.
+@pytest.mark.parametrize(("name", "rounding"), [("default", 1e-3), ("thermocline", 1e-3), ("ghosts", 0.15)])
+def test_errors_of_bins_add_up_to_that_of_the_side_and_change_no_record(name, rounding):
+    scene = edit(load_scene(name), STEADY)
+    bare, labelled = simulate(scene), simulate(scene, truth=True, bin_error=True)
+    for variable in bare:
+        xr.testing.assert_identical(labelled[variable], bare[variable])
+    parts = [*simulate_blocks(scene, bin_error=True, block=5, threads=2)]
+    xr.testing.assert_identical(join_blocks(parts).bin_error, labelled.bin_error)
+    simulation = prepare(scene)
+    poses = simulation.poses(np.arange(24))
+    traced = simulation.trace_pings(poses, of_bins=True)
+    start = math.ceil(1.4 * poses.z[0] / simulation.arrays.bin_length)
+    level = flat_bed_curve(simulation.arrays, float(poses.z[0]))[start:]
+    of_bins = traced.bin_errors[..., start:], traced.echoes[..., start:]
+    missed, whole = (np.square(each / level).sum(axis=-1) for each in of_bins)
+    np.testing.assert_allclose(missed / whole, np.divide(*np.moveaxis(traced.squares[..., 2, :], -1, 0)), rtol=rounding)
+
+
+def test_what_no_planes_estimate_has_the_error_of_the_plan():
+    knife, marched = small(4, sonar__beam="knife"), small(4)
+    for scene, how in ((knife, {}), (marched, {"method": "march"})):
+        expected = plan(scene, **how).error
+        record = simulate(scene, **how)
+        np.testing.assert_allclose(record.error, expected, rtol=1e-6)
+        assert record.attrs["record_error"] == pytest.approx(expected)
+    with pytest.raises(SceneError, match=r"^bin_error: the method 'march' .* use the method 'sweep'$"):
+        simulate(marched, method="march", bin_error=True)
+    alike = prepare(marched, plan=replace(plan(marched), entries=()))
+    assert np.isnan(alike.errors(np.zeros((2, 3, 2)))).all()
+
+
+def test_pings_beyond_the_tolerance_with_the_most_planes_are_told_at_the_line_of_the_caller(monkeypatch):
+    scene = small(9)
+    for place in ("tracers.plane_counts", "record.record_error"):
+        monkeypatch.setattr(f"insonify.{place}.MOST_PLANES", 2)
+    errors = np.linspace(0.02, 0.04, 9)
+    monkeypatch.setattr(module.Simulation, "errors", lambda self, squares: np.resize(errors, squares.shape[-3::-1]).T)
+    told = (
+        r"^4 pings have .* tolerance of 3 % with 2 planes, the greatest is ping 8 with 4 %; raise the tolerance, or .*"
+    )
+    for run in (simulate, lambda scene: [*simulate_blocks(scene, block=9)]):
+        with pytest.warns(PlanWarning, match=told) as caught:
+            run(scene)
+        assert [each.filename for each in caught] == [__file__]
 
 
 def test_a_stream_holds_no_more_than_64_mb_however_long_it_is(monkeypatch):

@@ -149,7 +149,7 @@ def _jsf(path: Path) -> None:
     from jsf_files import write_jsf
 
     echoes = np.random.default_rng(1).integers(1, 4000, (6, 50))
-    write_jsf(path, [{"samples": [row, row], "altitude": 5000, "x": 600 * k} for k, row in enumerate(echoes)])
+    write_jsf(path, [{"samples": [row, row], "altitude": 5000, "y": 6 * k} for k, row in enumerate(echoes)])
 
 
 def _xtf(path: Path, pings: int = 6, bins: int = 50) -> None:
@@ -157,7 +157,7 @@ def _xtf(path: Path, pings: int = 6, bins: int = 50) -> None:
 
     echoes = np.random.default_rng(1).integers(1, 4000, (pings, bins))
     told = {"SensorPrimaryAltitude": 5.0}
-    write_xtf(path, [{"samples": [row, row], "SensorXcoordinate": 0.2 * k} | told for k, row in enumerate(echoes)])
+    write_xtf(path, [{"samples": [row, row], "SensorYcoordinate": 1e-5 * k} | told for k, row in enumerate(echoes)])
 
 
 ROWS = [(0.5 * k, 1480.0 + 10.0 * np.exp(-k / 9.0), 12.0 - 0.1 * k) for k in range(1, 70)]

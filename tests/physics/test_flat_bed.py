@@ -72,11 +72,7 @@ def test_one_plane_stands_for_a_whole_fan(law, width):
     arrays = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
     port = sweep.trace(arrays, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=1)[0, 0]
     ratio = port[200:] / integral(law, arrays.half_width)[200:]
-    # Its width is r times the beam's, that of the cone 2 x arcsin(r sin(w/2) / x): all azimuths at nadir.
-    r = (np.arange(208, 1000) + 0.5) * 0.05
-    reach = math.sin(arrays.half_width) * r / np.sqrt(r**2 - ALTITUDE**2)
-    short = 1.0 if law == LIGHT else reach / np.arcsin(reach)
-    np.testing.assert_allclose(ratio[8:], short, atol=0.004)
+    np.testing.assert_allclose(ratio[8:], 1.0, atol=0.004)
 
 
 @pytest.mark.parametrize(
@@ -155,12 +151,12 @@ LEVEL = edit(load_scene("default"), CHANGES)
 
 @pytest.mark.parametrize("material", [Reflectivity(0.3, 0.0, 1.0), Reflectivity(0.2, 0.5, 1000.0)])
 @pytest.mark.parametrize("width", [10.0, 30.0, 60.0])
-def test_the_first_return_of_a_wide_fan_is_as_its_integral_and_its_error_is_printed(width, material):
+def test_the_first_return_of_a_wide_fan_is_as_its_integral(width, material):
     scene = edit(LEVEL, {"seabed.material": material._asdict(), "sonar.beam.width": width})
     packed, made = pack(scene), plan(scene)
     record = trace_model(packed, made.model, make_poses(scene, packed.ground, np.zeros(1, np.int64)))[0, 0]
     # Of the first 0.3 m: bins of 0.01 m.
     right = integral(SONAR, math.radians(0.5 * width), 10.0, 1030, 0.01, material, 4.0)
     assert record[1000:1030].sum() == pytest.approx(right.sum(), rel=0.02)
-    assert made.entry("planes").error <= made.near_error < 3.0 * 0.03
-    assert "From the first return" in made.table()
+    assert made.planes == 1
+    assert made.near_error < 0.03

@@ -22,6 +22,7 @@ class Record:
         self.ping = np.full(pings, -1, dtype=np.int64)
         self.stamp = np.full(pings, -1, dtype=np.int64)
         self.altitude = np.full(pings, np.nan)
+        self.error = np.full(pings, np.nan)
 
     @property
     def pings(self) -> int:
@@ -38,7 +39,12 @@ class Record:
         return self.pings - 1 - pings % self.pings
 
     def put(
-        self, pings: Integers, amplitude: Singles, stamp: int | Integers, altitude: Floats | None = None
+        self,
+        pings: Integers,
+        amplitude: Singles,
+        stamp: int | Integers,
+        altitude: Floats | None = None,
+        error: Singles | None = None,
     ) -> Integers:
         """Store traced pings."""
         rows = self.rows(pings)
@@ -47,6 +53,7 @@ class Record:
         self.ping[rows] = pings
         self.stamp[rows] = stamp
         self.altitude[rows] = np.nan if altitude is None else altitude
+        self.error[rows] = np.nan if error is None else error
         return rows
 
     def shown(self, newest: int) -> Integers:
@@ -68,6 +75,11 @@ class Record:
         """Altitudes of pings in metres; 0 where they are not known or not stored."""
         rows = self.rows(pings)
         return np.where(self.ping[rows] == pings, np.nan_to_num(self.altitude[rows]), 0.0)
+
+    def error_of(self, ping: int) -> float:
+        """Estimated error of a ping; NaN where it is not known or not stored."""
+        row = int(self.rows(np.array([ping]))[0])
+        return float(self.error[row]) if self.ping[row] == ping else float("nan")
 
     @property
     def lowest(self) -> float:

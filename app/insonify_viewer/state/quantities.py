@@ -54,3 +54,8 @@ def nearest_within(distances: Sequence[float], reach: float) -> int | None:
     """Position of the least distance, if it is within reach."""
     nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
     return nearest if nearest is not None and distances[nearest] <= reach else None
+
+
+def format_share(share: float) -> str:
+    """Write a share in percent, with two digits."""
+    return f"{float(f'{100.0 * share:.2g}'):g} %"

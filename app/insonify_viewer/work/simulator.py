@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -167,10 +168,11 @@ class Simulator:
         size = simulation.pings_within(BLOCK_TIME)
         for start in range(0, len(pings), size):
             begun, block = time.perf_counter(), pings[start : start + size]
-            amplitude = level.amplitudes(block)
+            amplitude, error = level.trace(block)
             seconds, between = time.perf_counter() - begun, np.zeros(len(block), bool)
             altitude = find_altitude(simulation, block)
-            yield TracedPings(request.number, True, block, amplitude, level, simulation, seconds, between, altitude)
+            traced = TracedPings(request.number, True, block, amplitude, level, simulation, seconds, between, altitude)
+            yield replace(traced, error=error)
 
     def _refine(self, level: LevelBed, pings: Integers, passed: float) -> Iterator[tuple[Singles, Booleans, float]]:
         """Yield amplitudes of pings, which are interpolated, and the seconds it took: at first every few, then all."""

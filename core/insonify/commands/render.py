@@ -53,6 +53,12 @@ def register(subparsers: Any) -> None:
         help="label every bin (target, material, shadow, path), and give for every target the boxes of its echo and "
         f"its shadow, its shadow length and its target strength ({', '.join(RECORDS.suffixes('labelled'))})",
     )
+    files.add_argument(
+        "--error",
+        action="store_true",
+        help="add the estimated error of every bin, in the unit of the intensity; that of every ping is always there "
+        f"({', '.join(RECORDS.suffixes('labelled'))})",
+    )
     for option in RECORDS.options():
         default = f"{option.description} (default: {option.choices[0]})"
         files.add_argument(f"--{option.name}", choices=option.choices, help=default)
@@ -65,10 +71,11 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate a scene or read a record, and write the record or its picture."""
     path = options.chosen_output(arguments)
     look = _display_options(arguments, path)
-    if arguments.truth and path.suffix.lower() not in RECORDS.suffixes("labelled"):
+    given = next((name for name in ("truth", "error") if getattr(arguments, name)), None)
+    if given is not None and path.suffix.lower() not in RECORDS.suffixes("labelled"):
         labelled = ", ".join(RECORDS.suffixes("labelled"))
         raise SceneError(
-            f"--truth applies to {labelled}, not to {path.name}; leave it out or end the name in one of them"
+            f"--{given} applies to {labelled}, not to {path.name}; leave it out or end the name in one of them"
         )
     choices = _write_options(arguments, path)
     if options.is_record(arguments.scene):
@@ -78,7 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
         if arguments.frequency is not None:
             raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
         settings = options.chosen_method(arguments) | {"threads": arguments.threads}
-        write(scene, path, look, choices, truth=arguments.truth, **settings)
+        write(scene, path, look, choices, truth=arguments.truth, bin_error=arguments.error, **settings)
         pings, bins = scene.track.pings, scene.sonar.bins
     options.say(f"{path}: {pings} pings of 2 x {bins} bins")
 
@@ -109,7 +116,7 @@ def _render_record(
     arguments: argparse.Namespace, path: Path, look: DisplayOptions, choices: Mapping[str, str]
 ) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
-    of_scenes = ("set", "seed", "method", "tolerance", "model", "threads", "truth")
+    of_scenes = ("set", "seed", "method", "tolerance", "model", "threads", "truth", "error")
     changed = next((name for name in of_scenes if getattr(arguments, name) != arguments.default_of(name)), None)
     if changed is not None:
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
@@ -133,6 +140,7 @@ def write(
     choices: Mapping[str, str] | None = None,
     *,
     truth: bool = False,
+    bin_error: bool = False,
     track: Tracker = options.tracked,
     **settings: Any,
 ) -> None:
@@ -143,7 +151,7 @@ def write(
 
     pings = scene.track.pings
     if not _is_picture(path):
-        blocks = one_ahead(simulate_record_blocks(scene, **settings, truth=truth))
+        blocks = one_ahead(simulate_record_blocks(scene, **settings, truth=truth, bin_error=bin_error))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need no kernels

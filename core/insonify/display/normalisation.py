@@ -48,7 +48,12 @@ class LevelBed:
 
     def amplitudes(self, pings: Integers) -> Singles:
         """Trace pings and compute their amplitudes relative to the level beds, in the memory of their intensities."""
-        return _relate(np.ascontiguousarray(self._simulation.intensity(pings)), *self._curves_of(pings))
+        return self.trace(pings)[0]
+
+    def trace(self, pings: Integers) -> tuple[Singles, Singles]:
+        """Trace pings, and compute their amplitudes as `amplitudes` does and their estimated errors, (pings,)."""
+        intensity, errors = self._simulation.trace_record(pings)
+        return _relate(np.ascontiguousarray(intensity), *self._curves_of(pings)), errors
 
     def _curves_of(self, pings: Integers) -> tuple[Floats, Integers]:
         """Curves, (curves, bins), and which of them each ping has, (pings, 1)."""

@@ -31,6 +31,7 @@ from insonify.simulation import Simulation
 from insonify.tracers import sweep
 from insonify.tracers.echo_parts import EchoParts
 from insonify.tracers.labels import PATHS
+from insonify.tracers.plane_counts import TracedPings
 
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
 SPREAD = 0.95  # share of the first source below which the second is named too
@@ -208,6 +209,8 @@ class PixelExplanation:
     sonar: SonarPose  # the sonar at that ping
     summary: str  # one sentence: the source of the echo, or why there is none
     approximations: tuple[str, ...]  # differences from the record; empty where the explanation is exact
+    error: float = math.nan  # estimated error of the side of the ping, as a share of its record; NaN if not known
+    bin_error: float = math.nan  # of the pixel, as a share of its mean echo; NaN if not known or without an echo
 
     @property
     def level(self) -> float:
@@ -273,7 +276,9 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
     if not 0 <= pixel < simulation.reduced.bins:
         raise SceneError(f"bin: {pixel} is outside the record; give one from 0 to {simulation.reduced.bins - 1}")
     parts = find_pixel_parts(simulation, ping, side, pixel)
-    stages = record_by_stages(simulation, ping)
+    poses = simulation.poses(np.array([ping], dtype=np.int64))
+    traced = simulation.trace_pings(poses, of_bins=simulation.estimates_errors)
+    stages = record_by_stages(simulation, ping, int(traced.planes[0]))
     contributions, obstructions = find_contributions(parts), find_obstructions(parts)
     terms = _echo_terms(parts, contributions)
     return PixelExplanation(
@@ -289,7 +294,17 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
         sonar=parts.sonar,
         summary=summarise_pixel(parts, contributions, obstructions),
         approximations=_approximations(parts, contributions),
+        error=float(simulation.errors(traced.squares)[0, side]),
+        bin_error=_bin_error(simulation, traced, side, pixel),
     )
+
+
+def _bin_error(simulation: Simulation, traced: TracedPings, side: int, pixel: int) -> float:
+    """Estimated error of a pixel of one traced ping, as a share of its mean echo; NaN where it is not known."""
+    place = 0, side, pixel
+    if not simulation.estimates_errors or not traced.echoes[place] > 0.0:
+        return math.nan
+    return float(simulation.bin_errors(traced)[place] / (traced.echoes[place] * simulation.reception.gain[pixel]))
 
 
 def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> list[Term]:
@@ -400,8 +415,8 @@ class ReceiverStage(NamedTuple):
     record: Singles  # (2, bins) linear intensity
 
 
-def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
-    """Record one ping without the receiver's stages, then with the first, the first two, and so on."""
+def record_by_stages(simulation: Simulation, ping: int, planes: int) -> list[ReceiverStage]:
+    """Record one ping, by its planes, without the receiver's stages, then with the first, the first two, and so on."""
     pings, whole = np.array([ping], dtype=np.int64), simulation.reception
     poses = simulation.poses(pings)
     kept: dict[tuple[int, bool, bool], Traced] = {}  # each trace is made once
@@ -411,7 +426,7 @@ def record_by_stages(simulation: Simulation, ping: int) -> list[ReceiverStage]:
         key = id(arrays.reflectivity), reception.coherent, waves
         if key not in kept:
             # The mean energy of the scatterers where the receiver up to a stage is not coherent.
-            tracer, settings = simulation.tracer, simulation.plan.settings
+            tracer, settings = simulation.tracer, simulation.settings_of(planes)
             call: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
             if whole.coherent and not reception.coherent:
                 call = sweep.trace

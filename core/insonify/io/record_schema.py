@@ -40,6 +40,11 @@ TARGET_TRUTH = {
     "shadow_length": (BOX[:2], "m", "slant range from the first to the last bin of the longest shadow of a ping"),
     "target_strength": (BOX[:1], "dB", "target strength re 1 m2 within the beam, of the ping with the strongest echo"),
 }
+ERRORS = {
+    "error": (ACROSS[:2], "1", "estimated error of the ping's side, share of its record"),
+    "bin_error": (ACROSS, "1", "estimated error of the bin's mean intensity"),
+}
+RECORD_ERROR = "record_error"  # attribute: root of the mean square of the estimated errors of all pings
 CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
@@ -70,8 +75,8 @@ def describe(unit: str, text: str) -> dict[str, str]:
 
 def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     """Join successive blocks of pings into one record."""
-    # Variables of targets cover all pings so far and are taken from the last block. What else does not change with time
-    # is taken from the first.
+    # Variables of targets cover all pings so far and are taken from the last block, as are attributes. What else does
+    # not change with time is taken from the first.
     import xarray as xr  # slow to import, and a preview in the viewer needs none of it
 
     if len(blocks) == 1:
@@ -79,7 +84,8 @@ def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
     joined = xr.concat(
         blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )
-    return joined.assign({name: blocks[-1][name] for name in TARGET_TRUTH if name in joined})
+    whole = {name: blocks[-1][name] for name in TARGET_TRUTH if name in joined}
+    return joined.assign(whole).assign_attrs(blocks[-1].attrs)
 
 
 def split_record(record: Dataset, multiple: int = 1, together: int | None = None) -> Iterator[slice]:
@@ -98,6 +104,15 @@ def echo_variable(intensity: Singles) -> dict[str, Any]:
     """Return the variable that holds the echoes."""
     text = describe("1", "echo intensity, linear, before display gain")
     return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), text)}
+
+
+def error_variables(columns: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return the variables of estimated errors that are among columns of pings, (pings, 2, ..)."""
+    return {
+        name: (dims, np.moveaxis(columns[name], 1, 0), describe(*text))
+        for name, (dims, *text) in ERRORS.items()
+        if name in columns
+    }
 
 
 def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]) -> dict[str, Any]:

@@ -7,10 +7,10 @@ from typing import Any
 
 from insonify.packing.packed_scene import Model
 from insonify.tracers.base import find_tracer
+from insonify.tracers.plane_counts import Goal
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns
-NEAR = "of the planes over all bins, which may be three times the tolerance; the total counts bins beyond 1.4 altitudes"
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,16 @@ class Plan:
 
     model: Model  # tracer, settings and effects
     entries: tuple[PlanEntry, ...] = ()  # all choices
-    error: float = 0.0  # measured error beyond 1.4 times the altitude, as a share of the record
-    near_error: float = 0.0  # measured error of the planes over all bins from the first return; 0 for none
+    error: float = 0.0  # measured error, as a share of the record
+    left_out: float = 0.0  # the same but for that of planes, which each ping estimates itself
+    goal: Goal | None = None  # error of its planes with which the tracing of a ping ends; None for the same planes
     work: float = 0.0  # work of a ping, by which models are compared: a count, the same on every machine
     cost: float = field(default=0.0, compare=False)  # seconds per ping on this machine, both sides on one thread
+
+    @property
+    def near_error(self) -> float:
+        """Measured error over all bins from the first return: the tolerance holds there as well."""
+        return self.error
 
     @property
     def method(self) -> str:
@@ -98,9 +104,6 @@ class Plan:
             rows.append("")
         rows.append(f"{'Total':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
         rows += textwrap.wrap("per ping, both sides, one thread", wide, initial_indent="  ")
-        if self.near_error > 0.0:
-            rows.append(f"{'From the first return':<{wide - ERROR - COST}}{_share(self.near_error):>{ERROR}}")
-            rows += textwrap.wrap(NEAR, wide, initial_indent="  ", subsequent_indent="  ")
         return "\n".join(rows)
 
 

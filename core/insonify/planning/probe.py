@@ -1,15 +1,18 @@
 """Probe of a scene: a few pings traced by several models; their differences are the errors of the coarser ones."""
 
+from __future__ import annotations
+
 import math
 import time
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Booleans, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.parallel import in_parallel
@@ -17,6 +20,8 @@ from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
+from insonify.tracers.plane_counts import TracedPings, errors_over_bed
+from insonify.tracers.sweep import trace_measured
 
 FEW = 12  # pings at least on which models are compared
 LITTLE = 1e6  # work of some milliseconds, which more pings than these may take together
@@ -25,6 +30,11 @@ OF_A_THREAD = 4  # pings worth handing to a thread
 RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
+MEASURED = 16  # pings on which the errors of planes are measured
+FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
+LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
+TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
+LEAST_TRUST = 0.5
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
@@ -43,6 +53,29 @@ def work_of(packed: PackedScene, model: Model) -> float:
     if model not in packed.works:
         packed.works[model] = find_tracer(model.method).work(packed.scene, packed.arrays, model)
     return packed.works[model]
+
+
+class PlaneLaw(NamedTuple):
+    """Error of pings by the number of planes across the beam."""
+
+    error: float  # of `FEW_PLANES`
+    power: float  # of the number of planes with which it falls
+    trust: float  # errors over what planes estimate, by a margin
+    estimated: tuple[float, ...]  # of pings over the track by `FEW_PLANES`, by their planes
+
+    def of(self, planes: int) -> float:
+        """Error of a number of planes."""
+        return self.error * (FEW_PLANES / planes) ** self.power
+
+    def cheapest(self, counts: Sequence[int], tolerance: float) -> int:
+        """Return the number with which the measured pings take the fewest planes, those of a second trace included."""
+
+        def planes_of(count: int) -> float:
+            errors = [self.trust * each * (FEW_PLANES / count) ** self.power for each in self.estimated]
+            again = [max(count * (error / tolerance), count + 1) for error in errors if error > tolerance]
+            return count * len(errors) + sum(again)
+
+        return min(counts, key=planes_of)
 
 
 class Probe:
@@ -64,6 +97,7 @@ class Probe:
         self._traced: dict[Model, Singles] = {}
         self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Any, ...], float] = {}
+        self._laws: dict[Model, PlaneLaw] = {}
 
     def leave_out_collisions(self, model: Model) -> None:
         """Leave out pings in which the sonar is inside a target: they are refused when they are simulated."""
@@ -124,6 +158,27 @@ class Probe:
             self._differences[key] = max(errors)
         return self._differences[key]
 
+    def measure_planes(self, model: Model) -> PlaneLaw:
+        """Errors of a swept model by the number of its planes, from few planes of the same pings and from many."""
+        model = _without_surface_echo(model)[0]
+        if model not in self._laws:
+            count = min(self._is_across.size, MEASURED)
+            poses, across = take_poses(self._poses, slice(count)), self._is_across[:count]
+            few, many = (self._measure(model._replace(planes=planes), poses) for planes in (FEW_PLANES, MANY_PLANES))
+            one, other = (each.echoes[:, :, self._near :] * self._scale[:count] for each in (few, many))
+            squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
+            found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
+            estimated = (errors_over_bed(each.squares.sum(axis=1)) for each in (few, many))
+            errors = np.stack([np.maximum(*found), *estimated])
+            self._laws[model] = _fit_law(errors, [group for group in (~across, across) if group.any()])
+        return self._laws[model]
+
+    def _measure(self, model: Model, poses: Poses) -> TracedPings:
+        """Trace pings by a swept model with the errors of their planes."""
+        settings = find_tracer(model.method).settings(model)
+        tiles, arrays = self._packed.ground_tiles(model.every, 0), self._packed.reduce(model)
+        return TracedPings(*tiles.map(lambda tile, some: trace_measured(tile, some, **settings), arrays, poses))
+
     def loudest(self, model: Model, most: int) -> tuple[int, ...]:
         """Return the pings of the greatest energy over the level-bed curve by a model."""
         record = self._trace(_without_surface_echo(model)[0], self.count(model))[:, :, self._beyond :]
@@ -179,6 +234,17 @@ def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
     if not all(SURFACE_ECHO in model.ways for model in models):
         return models
     return tuple(model._replace(ways=model.ways - {SURFACE_ECHO}) for model in models)
+
+
+def _fit_law(errors: Floats, groups: list[Booleans]) -> PlaneLaw:
+    """Law of errors, (3, pings): of few planes as found, and as few and many planes estimate them."""
+    found, few, many = (
+        [math.sqrt(float(np.square(np.minimum(each[group], 1.0)).mean())) for group in groups] for each in errors
+    )
+    fall = math.log(few[0] / many[0]) / math.log(MANY_PLANES / FEW_PLANES) if many[0] > 0.0 else MOST_POWER
+    trust = max(one / other if other > 0.0 else 0.0 for one, other in zip(found, few))
+    fall, trust = min(max(fall, LEAST_POWER), MOST_POWER), max(TRUST_MARGIN * trust, LEAST_TRUST)
+    return PlaneLaw(found[0], fall, trust, tuple(np.minimum(errors[1][groups[0]], 1.0).tolist()))
 
 
 def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Singles:

@@ -1,28 +1,26 @@
 """Selection of the cheapest model of a scene with a measured error within the tolerance."""
 
-import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import replace
-from heapq import heappop, heappush
 from itertools import takewhile
-from typing import Any
 
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import FINENESS, Case, Choice
-from insonify.planning.choices.fineness import Planes, measure_together
-from insonify.planning.plan_entries import Plan, PlanEntry, percent
+from insonify.planning.choices.base import FINENESS, GRID, Case, Choice
+from insonify.planning.choices.fineness import Planes
+from insonify.planning.plan_entries import Plan
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
+from insonify.tracers.plane_counts import MOST_PLANES, Goal
 
-# Pings other than those probed may err more than these vary: measured over random scenes, see docs/theory/error.md.
-SAFETY = 1.25
-MORE_TOGETHER = 1.2  # times the sum of the errors, beyond which a plan reports the joint error
+# Shares of the tolerance: of refraction, of paths by the surface, of segments and of nodes if they are left out, and of
+# planes or rays. Their squares add up to one.
+OF_A_CHOICE = 1.0 / 6.0
+OF_PLANES = math.sqrt(1.0 - 4.0 * OF_A_CHOICE**2)
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
-COARSE = [choice for choice in STAGED if choice.stage < FINENESS]
 FINE = [choice for choice in STAGED if choice.stage == FINENESS]
+PLANES = next(choice for choice in CHOICES if isinstance(choice, Planes))
 BY_SUBJECT = {choice.subject: choice for choice in CHOICES if choice.offered}
 
 
@@ -99,26 +97,36 @@ def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Map
 
 def choose_for_case(case: Case, tolerance: float) -> Plan:
     """Choose the model of a case for a tolerance; what was measured for another tolerance is not measured again."""
-    model = _cheapest(case, tolerance / SAFETY)
+    model = _cheapest(case, tolerance)
     cost = case.seconds(model)  # first, so that costs of other models are estimated from this one
-    entries = tuple(
-        entry
-        for choice in CHOICES
-        for entry in choice.entries(case, model, choice.confirmed(case, model, cautious=False))
-    )
-    error = math.sqrt(sum(entry.error**2 for entry in entries))
-    together = measure_together(case, model, error, cautious=False)
-    if together > MORE_TOGETHER * error:
-        # Interaction error: joint error of all choices without the sum of their separate errors.
-        reason = f"on {case.pings(model)} {percent(together)}, which is more than each by itself"
-        interaction = math.sqrt(together**2 - error**2)
-        entries = (*entries, PlanEntry("together", "all choices together", reason, error=interaction))
-        error = together
+    entries = [
+        entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, cautious=False))
+    ]
     # The costs of what is modelled multiply one another; scaled, they add up to that of a ping.
     apart = sum(entry.cost for entry in entries if entry.modelled)
     share = cost / apart if apart > 0.0 else 1.0
-    entries = tuple(replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries)
-    return Plan(model, entries, error, Planes().near_error(case, model), case.work(model), cost)
+    entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
+    # A single plane is not measured ping by ping.
+    goal = _find_goal(case, model, tolerance)
+    if goal is not None and model.planes > 1:  # pings of a greater error have more planes
+        least = max(goal.tolerance, PLANES.law(case, model).of(MOST_PLANES))
+        entries = [
+            replace(each, error=min(each.error, least)) if each.subject == PLANES.subject else each for each in entries
+        ]
+    left_out = math.hypot(*(entry.error for entry in entries if entry.subject != PLANES.subject or model.planes == 1))
+    error = math.hypot(*(entry.error for entry in entries))
+    return Plan(model, tuple(entries), error, left_out, goal, case.work(model), cost)
+
+
+def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
+    """Error of its planes with which the tracing of a ping ends; none where their number is forced or of no account."""
+    if PLANES.wish(case) is not None or not (PLANES.applies(model) and case.scene.sonar.beam.has_width):
+        return None
+    if model.planes == 1 and model.across == 0:  # else pings that meet a target have several
+        return None
+    trust = PLANES.law(case, model).trust
+    # Over a level bed, which errs by nothing, the pings measured are the few that meet targets: no reason for less.
+    return Goal(OF_PLANES * tolerance, trust if model.planes > 1 else max(trust, 1.0))
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
@@ -127,91 +135,47 @@ def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str,
     for choice in STAGED:
         model = model._replace(**{choice.field: choice.kept(case, model, last.model)})
         choice.require(case, model)
-    return last if model == last.model else Plan(model)
+    return last if model == last.model else Plan(model, goal=last.goal)
 
 
 def _requested(method: str, forced: Mapping[str, str]) -> str:
     return forced.get("method", AUTO) if method == AUTO else method
 
 
-class _Errors:
-    """Errors of the settings of all choices, each computed once; 0 for the finest setting."""
-
-    def __init__(self, case: Case) -> None:
-        self._case = case
-        self._known: dict[tuple[str, Any, str], float] = {}
-
-    def of(self, choice: Choice, model: Model) -> float:
-        """Error of a model's setting of one choice."""
-        key = choice.subject, choice.measured_with(model), model.method
-        if key not in self._known:
-            finest = getattr(model, choice.field) == choice.settings(self._case, model)[-1]
-            self._known[key] = 0.0 if finest else choice.error(self._case, model)
-        return self._known[key]
-
-    def square(self, choices: Iterable[Choice], model: Model, most: float = math.inf) -> float:
-        """Sum of the squares of a model's errors; what is beyond a bound is not measured further."""
-        total = 0.0
-        for choice in choices:
-            if total <= most:
-                total += self.of(choice, model) ** 2
-        return total
-
-
 def _cheapest(case: Case, tolerance: float) -> Model:
-    """Model of the least work with errors within the tolerance; errors of the finest settings do not count.
-
-    Errors as measured and counts of work do not depend on the tolerance, and no model of less work is passed over: more
-    tolerance never means more work. Errors of fineness take longest and are measured last, only where they are needed.
-    """
-    errors, order = _Errors(case), itertools.count()
-    queue: list[tuple[float, int, int, int, float, Model]] = []
-
-    def add(model: Model, square: float) -> None:
-        heappush(queue, (case.work(model), model.rays, -model.every, next(order), square, model))
-
-    models = [Model()]
-    for choice in COARSE:
-        models = [made for model in models for made in _viable(case, choice, model, tolerance, errors)]
-    for model in models:
-        coarsest = {choice.field: choice.settings(case, model)[0] for choice in FINE}
-        add(model._replace(**coarsest), errors.square(COARSE, model))
-    known = set()
-    while True:
-        *_, square, model = heappop(queue)
-        alone = not queue
-        for finer in _finer(case, model):
-            if finer not in known:
-                known.add(finer)
-                add(finer, square)
-        if queue and queue[0][0] < case.work(model):  # a finer one takes less work, and is looked at before
-            add(model, square)
-            continue
-        apart = math.sqrt(square + errors.square(FINE, model, tolerance**2 - square))
-        if apart <= tolerance and (alone or measure_together(case, model, apart) <= tolerance):
-            return model
+    """Model of the least work among the settings of each choice with an error within its share of the tolerance."""
+    # Shares are fixed, so that more tolerance never means more work, and errors of unlike kinds add up by squares.
+    model = Model()
+    for choice in STAGED:
+        if choice.stage == GRID:  # of which the work depends on the fineness
+            model = model._replace(**{fine.field: fine.settings(case, model)[0] for fine in FINE})
+        most = (OF_PLANES if choice.stage == FINENESS else OF_A_CHOICE) * tolerance
+        model = _choose(case, choice, model, most, tolerance)
+        choice.require(case, model)
+    return model
 
 
-def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: _Errors) -> list[Model]:
-    """Models with those settings of one choice that can be simulated and have an error within the tolerance."""
-    made = [model._replace(**{choice.field: value}) for value in reversed(choice.settings(case, model))]
-    made = made[:1] + list(takewhile(lambda one: errors.of(choice, one) <= tolerance, made[1:]))
-    able = []
-    for one in made:
-        with suppress(SceneError):
-            choice.require(case, one)
-            able.append(one)
-    if not able:
-        choice.require(case, made[0])
-    return able
+def _choose(case: Case, choice: Choice, model: Model, most: float, tolerance: float) -> Model:
+    """Model with the setting of one choice."""
+    values = choice.settings(case, model)
+    if choice is PLANES and len(values) > 1:
+        if values[0] == 1 and PLANES.single_error(case, model) <= most:
+            return model._replace(planes=1)
+        counts = [count for count in values if count > 1]
+        return model._replace(planes=PLANES.law(case, model).cheapest(counts, most))
+    *coarser, finest = (model._replace(**{choice.field: value}) for value in values)
+    if choice.stage == GRID:  # coarser nodes make longer segments, which may take more work
+        enough = takewhile(lambda one: choice.error(case, one) <= most, reversed(coarser))
+        return min((*reversed([*enough]), finest), key=case.work)
+    if coarser and not _is_able(case, choice, finest):
+        most = tolerance
+    able = (one for one in coarser if _is_able(case, choice, one) and choice.error(case, one) <= most)
+    return next(able, finest)
 
 
-def _finer(case: Case, model: Model) -> Iterator[Model]:
-    """Models with the next finer setting of a choice of fineness, and with those of less work than the one before."""
-    # More planes may take less work: where they lie densely enough for the targets, none are laid between.
-    for choice in FINE:
-        values = choice.settings(case, model)
-        following = values.index(getattr(model, choice.field)) + 1
-        finer = [model._replace(**{choice.field: value}) for value in values[following:]]
-        yield from finer[:1]
-        yield from (one for before, one in itertools.pairwise(finer) if case.work(one) < case.work(before))
+def _is_able(case: Case, choice: Choice, model: Model) -> bool:
+    try:
+        choice.require(case, model)
+    except SceneError:
+        return False
+    return True

@@ -10,7 +10,14 @@ from insonify.arrays import Integers
 from insonify.compiler.build import own_build
 from insonify.io.georeference import find_georeference
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import coordinates, echo_variable, platform, target_variables
+from insonify.io.record_schema import (
+    RECORD_ERROR,
+    coordinates,
+    echo_variable,
+    error_variables,
+    platform,
+    target_variables,
+)
 from insonify.kernels.common.types import Poses
 from insonify.planning import Plan
 from insonify.record.labels import Columns, LabelledBlock, label_variables, name_parts
@@ -32,13 +39,15 @@ def make_block(
     """Make the block of a record that holds some pings."""
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
-    variables = echo_variable(columns["intensity"])
+    variables = echo_variable(columns["intensity"]) | error_variables(columns)
     variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
     if truth is not None:
         variables |= label_variables(LabelledBlock(scene, ground, poses, columns))
         targets = list(name_parts(scene.targets).values())
         variables |= target_variables(truth._asdict(), targets) if targets else {}
     coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
+    if RECORD_ERROR in columns:
+        attributes = {**attributes, RECORD_ERROR: float(columns[RECORD_ERROR])}
     return make_record_block(variables, coords, attributes)
 
 

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Any, Self
 
 from pydantic import BaseModel, ValidationError
@@ -120,6 +121,7 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
     """Set one dotted path in nested plain values."""
     *parents, last = path.split(".")
     place: Any = values
+    value = deepcopy(value)  # a later path may change a part of it
     for key in parents:
         child = _child(place, key, path)
         if not isinstance(child, (dict, list)):

@@ -15,14 +15,16 @@ from insonify.arrays import Floats, Integers
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import highest_place
+from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
-    TargetSectors,
     divide_at_targets,
-    find_pings_to_divide,
+    find_divided_pings,
+    find_pings_met,
     find_target_sectors,
     has_bodies,
+    split_pings,
 )
 
 FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
@@ -44,7 +46,6 @@ SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe
 HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
 ROUNDED_DOWN = 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)  # share of a step below it
 PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
-AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 EVERYWHERE = 1e9  # near field per metre of height, beyond any range
 NEAREST, NEAREST_OF_IMAGE = 0.01, 0.001  # ground range per height from which the beam's azimuths are looked at
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
@@ -57,17 +58,22 @@ def lay_planes(
     laid = _lay_alike(arrays, poses, planes, laid_at)
     if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
         return laid
-    sectors, height = find_target_sectors(arrays, poses, across), np.maximum(poses.z - arrays.bed.low, LOWEST)
-    divided = []
-    # One plane stands for the whole beam, which it cannot share with others.
-    for places, fan in _lay_alike(arrays, poses, max(planes, 2), laid_at, divided=True):
-        of_fan = TargetSectors(*(column[places] for column in sectors))
-        for ping in places[find_pings_to_divide(fan, of_fan, height[places])]:
-            divided.append((np.array([ping]), divide_at_targets(fan, sectors, ping, height, across)))
-    if not divided:
+    own: list[tuple[Integers, AzimuthFan]] = []
+    # One plane stands for a whole beam that meets no target.
+    for places, fan in _lay_alike(arrays, poses, planes if planes > 1 else LEAST_PLANES, laid_at, divided=True):
+        for part in split_pings(arrays, places):
+            some = take_poses(poses, part)
+            sectors, height = find_target_sectors(arrays, some, across), np.maximum(some.z - arrays.bed.low, LOWEST)
+            divided = find_divided_pings(fan, sectors, height)
+            own += [(part[[ping]], divide_at_targets(fan, sectors, ping, height, across)) for ping in divided]
+            if planes == 1:
+                met = np.setdiff1d(part[find_pings_met(arrays, some, fan)], part[divided])
+                own += [(met, fan)] if met.size > 0 else []
+    if not own:
         return laid
-    others = ((np.setdiff1d(places, np.concatenate([ping for ping, _ in divided])), fan) for places, fan in laid)
-    return [*((places, fan) for places, fan in others if places.size > 0), *divided]
+    taken = np.concatenate([places for places, _ in own])
+    others = ((np.setdiff1d(places, taken), fan) for places, fan in laid)
+    return [*((places, fan) for places, fan in others if places.size > 0), *own]
 
 
 def _lay_alike(
@@ -135,15 +141,15 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
     # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
     everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
-    fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
-    return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabulated else fan)))
+    fan = (0.0, 0.0, 1.0, math.pi, 2.0 * half, EVERYWHERE, math.inf)
+    return AzimuthFan(*(np.array([value]) for value in (*(everything if pattern.tabulated else fan), False)))
 
 
 @lru_cache(maxsize=64)
 def beam_planes(half_width: float, planes: int, divided: bool = False) -> AzimuthFan:
     """Place the planes of a beam; planes to be divided follow its cone azimuth by azimuth at every range."""
     if half_width <= 0.0:
-        return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
+        return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf, False)))
     s_beam = math.sin(half_width)
     rough = min(FEW / planes, 1.0)
     level = 1.0 - FORESHORTENED * rough * min(STRETCHED / planes, 1.0)
@@ -170,13 +176,14 @@ def beam_planes(half_width: float, planes: int, divided: bool = False) -> Azimut
         np.where(is_inner, 2.0 * half_width / planes, 0.0),
         np.full(low.size, near_field),
         np.where(is_inner, math.inf, outer_reach),
+        np.zeros(low.size, np.bool_),
     )
-    both = AzimuthFan(*(np.concatenate([column, column]) for column in columns))
-    both.azimuth[low.size :] *= -1.0
+    both = AzimuthFan(*columns).take(np.append(np.arange(low.size)[::-1], np.arange(low.size)))
+    both.azimuth[: low.size] *= -1.0
     if planes % 2 == 0:
         return both
-    both.azimuth[0], both.angle[0] = 0.0, 2.0 * both.angle[0]
-    return AzimuthFan(*(np.delete(column, low.size) for column in both))
+    both.azimuth[low.size], both.angle[low.size] = 0.0, 2.0 * both.angle[low.size]
+    return both.take(np.arange(both.azimuth.size) != low.size - 1)
 
 
 def pattern_planes(
@@ -232,6 +239,7 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
         far_angle=np.zeros(low.size),
         near_field=np.full(low.size, math.inf),
         reach=reaches / (height * ROUNDED_DOWN),
+        apart=np.zeros(low.size, np.bool_),
     )
 
 

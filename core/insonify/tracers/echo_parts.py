@@ -105,7 +105,7 @@ def find_echo_parts(
 def take_central_plane(arrays: SceneArrays, fan: AzimuthFan) -> AzimuthFan:
     """Return the plane of a fan that is nearest to the axis of its beam, as a fan of one."""
     k = int(np.argmin(np.abs(np.sin(fan.azimuth) - arrays.pattern.centre)))
-    return AzimuthFan(*(column[k : k + 1] for column in fan))
+    return fan.take(slice(k, k + 1))
 
 
 def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, fan: AzimuthFan) -> EchoParts:

@@ -1,7 +1,6 @@
 """Labels of a record by the geometry of the sweep: target, material and path of every range bin."""
 
 import math
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from insonify.kernels.labels.sweep_labels import NO_MATERIAL, NO_PATH, Contribut
 from insonify.kernels.labels.sweep_labels import RecordLabels as RecordLabels
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
@@ -24,6 +24,7 @@ from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.base import new_record, share_blocks
+from insonify.tracers.plane_counts import empty_squares
 from insonify.tracers.sweep import pings_a_thread, trace
 from insonify.tracers.target_planes import find_pings_met
 
@@ -41,45 +42,61 @@ def trace_labels(
     crosstalk: float = 0.0,
     volumes: Singles | None = None,
     echoes: Singles | None = None,
+    squares: Floats | None = None,
     targets_alone: bool = False,
     threads: int | None = None,
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
-    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding. With ``targets_alone``
-    pings that meet no target have the bed wherever there is an echo, of no place, incidence and material.
+    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding, ``squares`` those of the
+    errors of planes. With ``targets_alone`` pings that meet no target have the bed wherever there is an echo, of no
+    place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
     labels, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
     energy, traced = new_record(arrays, poses), new_record(arrays, poses) if echoes is None else echoes
     apparent, folded = make_apparent_tables(arrays, poses)
     rooms = PerThread(
-        lambda: (empty_sweep_workspace(arrays, apparent), empty_multipath_workspace(arrays), *empty_tables(arrays))
+        lambda: (
+            empty_sweep_workspace(arrays, apparent),
+            empty_multipath_workspace(arrays),
+            empty_plane_sums(arrays.bins),
+            *empty_tables(arrays),
+        )
     )
-    trace_some = partial(trace, arrays, planes=planes, across=across, rays=rays, threads=threads)
+    missed = empty_squares(0) if squares is None else squares
+
+    def trace_some(places: Integers) -> Singles:
+        own = None if squares is None else empty_squares(places.size)
+        settings: dict[str, Any] = {"planes": planes, "across": across, "rays": rays, "threads": threads}
+        found = trace(arrays, take_poses(poses, places), squares=own, **settings)
+        if squares is not None:
+            squares[places] = own
+        return found
+
     by_rays, clear = np.flatnonzero(folded), np.flatnonzero(~folded)
     if by_rays.size > 0:
         bare = without_targets(arrays)
 
         def follow_rays(part: Poses, first: int, last: int) -> None:
-            out = LabelledPings(labels, energy, traced, by_rays[first:last])
+            out = LabelledPings(labels, energy, traced, missed, by_rays[first:last])
             label_refracted_pings(arrays, bare, part, rays, described, *empty_tables(arrays), out)
 
         share_blocks(take_poses(poses, by_rays), follow_rays, threads)
         energy[by_rays] *= FIXED_POINT  # rays count in plain units
         if echoes is not None:
-            echoes[by_rays] = trace_some(take_poses(poses, by_rays))
+            echoes[by_rays] = trace_some(by_rays)
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
         places = clear[among]
         if targets_alone:
             met = find_pings_met(arrays, take_poses(poses, places), beams[0])
             others, places = places[~met], places[met]
             if others.size > 0:
-                traced[others] = trace_some(take_poses(poses, others))
+                traced[others] = trace_some(others)
                 _label_bed(labels, energy, others, traced[others])
 
         def sweep(part: Poses, first: int, last: int, beams: Any = beams, places: Integers = places) -> None:
-            out = LabelledPings(labels, energy, traced, places[first:last])
+            out = LabelledPings(labels, energy, traced, missed, places[first:last])
             label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, out)
 
         if places.size > 0:

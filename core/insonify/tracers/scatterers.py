@@ -74,7 +74,7 @@ class ScattererTracer(PreparedTracer):
         out = self._empty_waves(arrays, poses)
         for places, laid in lay_planes(further, poses, max(planes, 2), across=across):
             order = np.argsort(laid.azimuth)
-            some, beam = take_poses(poses, places), AzimuthFan(*(np.ascontiguousarray(each[order]) for each in laid))
+            some, beam = take_poses(poses, places), laid.take(order)
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)
 

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from insonify.arrays import Singles
+from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
@@ -24,6 +25,15 @@ from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
+from insonify.tracers.plane_counts import (
+    Columns,
+    Goal,
+    TracedPings,
+    empty_bin_errors,
+    empty_squares,
+    more_across,
+    trace_until,
+)
 from insonify.tracers.rays import trace as trace_rays
 from insonify.tracers.scatterers import make_tracer
 from insonify.tracers.target_planes import count_added_planes
@@ -94,6 +104,28 @@ def _divide_profile(reach: float, spacing: float, height: float) -> tuple[float,
     return segments, math.asinh(nearer / height) / FINE + 0.5 * segments, (reach - nearer) / spacing
 
 
+def trace_measured(
+    arrays: SceneArrays,
+    poses: Poses,
+    *,
+    planes: int = 16,
+    across: int = 0,
+    goal: Goal | None = None,
+    of_bins: bool = False,
+    **settings: Any,
+) -> TracedPings:
+    """Trace pings by the sweep, each by as many planes as its error requires; find the error of bins if wanted."""
+
+    def trace_some(places: Integers, count: int) -> Columns:
+        squares, more = empty_squares(places.size), more_across(count, planes, across)
+        some, bins = take_poses(poses, places), empty_bin_errors(places.size, arrays.bins if of_bins else 0)
+        measured: dict[str, Any] = {"squares": squares, "bin_errors": bins}
+        return trace(arrays, some, planes=count, across=more, **measured, **settings), bins, squares
+
+    (echoes, bins, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
+    return TracedPings(echoes, squares, counts, bins)
+
+
 def trace(
     arrays: SceneArrays,
     poses: Poses,
@@ -103,8 +135,13 @@ def trace(
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
+    squares: Floats | None = None,
+    bin_errors: Singles | None = None,
 ) -> Singles:
-    """Trace pings by the sweep."""
+    """Trace pings by the sweep; ``squares`` takes those of the errors of planes, where they are measured.
+
+    ``bin_errors`` takes the errors of bins by planes, as intensities.
+    """
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
@@ -125,8 +162,11 @@ def trace(
         lambda: (
             empty_sweep_workspace(arrays, apparent, dtype),
             empty_multipath_workspace(arrays, dtype) if arrays.multipath.enabled else None,
+            empty_plane_sums(arrays.bins),
         )
     )
+    nothing = empty_squares(0)
+    width = 0 if bin_errors is None else bin_errors.shape[-1]
 
     def block(first: int, last: int) -> None:
         # Pings that share their planes, those of the sonar and those of its image in the sea surface.
@@ -134,16 +174,30 @@ def trace(
             places = clear[among]
             some = take_poses(poses, places)
             traced = out if places.size == poses.x.size else new_record(arrays, some)
+            missed = nothing if squares is None else empty_squares(places.size)
+            missed_by_bin = empty_bin_errors(places.size, width)
 
-            def sweep(part: Poses, low: int, high: int, beams: Any = (beam, image_beam), to: Singles = traced) -> None:
-                room, images = rooms.own
-                sweep_pings(arrays, part, beams[0], apparent, room, to[low:high])
+            def sweep(
+                part: Poses,
+                low: int,
+                high: int,
+                beams: Any = (beam, image_beam),
+                to: tuple[Singles, Floats, Singles] = (traced, missed, missed_by_bin),
+            ) -> None:
+                room, images, sums = rooms.own
+                found = tuple(array[low:high] for array in to)
+                sweep_pings(arrays, part, beams[0], apparent, room, sums, *found)
                 if images is not None:
-                    sweep_multipath(arrays, part, *beams, images, empty_contributor_table(0, 0), to[low:high])
+                    table = empty_contributor_table(0, 0)
+                    sweep_multipath(arrays, part, *beams, images, table, sums, *found)
 
             share_blocks(some, sweep, threads, pings_a_thread(beam))
             if traced is not out:
                 out[places] = traced
+            if squares is not None:
+                squares[places] = missed
+            if bin_errors is not None:
+                bin_errors[places] = missed_by_bin
 
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)

@@ -11,6 +11,7 @@ import numpy as np
 
 from insonify.array_cache import remember_latest
 from insonify.arrays import Booleans, Floats, Integers
+from insonify.kernels.beam.divided_sectors import LEAST, divide_sectors, find_pings_to_divide
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.scene import Scene
@@ -23,8 +24,9 @@ MOST_OF_EACH = 64  # planes that a ping gets for its targets, per plane across e
 DIRECTIONS = 32  # in which the outline of a mesh is found
 BEYOND = 0.5 * math.tan(math.pi / DIRECTIONS)  # by which a mesh may lie beyond it at most, per metre of its breadth
 COUNTED = 64  # pings over the track on which planes are counted
-MOST_AT_ONCE = 1 << 20  # pairs of planes and bodies that are compared at once
-LEAST = 1e-9  # rad, by which edges of sectors differ
+MOST_AT_ONCE = 1 << 18  # pairs of pings and bodies of which the sectors are found at once
+CORNERS = 4  # of a solid from above
+LEANING = 0.5  # sine of the angle with the level below which a body counts as lying
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
@@ -35,6 +37,7 @@ class TargetSectors(NamedTuple):
     high: Floats  # and ends
     step: Floats  # greatest distance of planes across it, rad; infinite for a body on the other side
     nearest: Floats  # bound on its least ground range, m
+    corners: Floats  # (pings, sides × bodies, CORNERS) of bodies with that many, where one face ends and another begins
 
 
 class _Outlines(NamedTuple):
@@ -53,6 +56,12 @@ def has_bodies(arrays: SceneArrays) -> bool:
     return arrays.solids.shape.size + arrays.mesh.target.size > 0
 
 
+def split_pings(arrays: SceneArrays, places: Integers) -> list[Integers]:
+    """Split pings into parts of which the sectors of all targets fit in little memory."""
+    bodies = 2 * (arrays.solids.shape.size + np.unique(arrays.mesh.target).size)
+    return np.array_split(places, max(places.size * bodies // MOST_AT_ONCE, 1))
+
+
 def find_target_sectors(arrays: SceneArrays, poses: Poses, across: int) -> TargetSectors:
     """Find the azimuths in which the bodies of a scene lie, and how far apart planes across them may be."""
     return _find_sectors(_outlines_of(arrays.solids, arrays.mesh, arrays.reflectivity), arrays, poses, across)
@@ -63,11 +72,14 @@ def _find_sectors(outlines: _Outlines, arrays: SceneArrays, poses: Poses, across
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
     ahead, port = dx * cosine + dy * sine, dy * cosine - dx * sine
-    sides = (_find_one_side(outlines, ahead, abeam, across, arrays.bin_length) for abeam in (port, -port))
+    height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
+    sides = (_find_one_side(outlines, ahead, abeam, height, across, arrays) for abeam in (port, -port))
     return TargetSectors(*(np.concatenate(columns, axis=1) for columns in zip(*sides)))
 
 
-def _find_one_side(outlines: _Outlines, ahead: Floats, abeam: Floats, across: int, bin_length: float) -> TargetSectors:
+def _find_one_side(
+    outlines: _Outlines, ahead: Floats, abeam: Floats, height: Floats, across: int, arrays: SceneArrays
+) -> TargetSectors:
     """Sectors on one side; points on the other side count as at its border."""
     first, radius = outlines.first, outlines.radius
     distance = np.hypot(ahead, abeam)
@@ -78,12 +90,19 @@ def _find_one_side(outlines: _Outlines, ahead: Floats, abeam: Floats, across: in
     farthest = np.maximum(np.maximum.reduceat(distance, first, axis=1), LEAST)
     # Both limits: docs/theory/beam.md
     glint = OF_GLINT * outlines.lobe / np.hypot(1.0, outlines.curvature * farthest)
-    onset = np.where(outlines.curvature > 0.0, OF_GLINT * bin_length / (outlines.lobe * farthest), math.inf)
+    onset = np.where(outlines.curvature > 0.0, OF_GLINT * arrays.bin_length / (outlines.lobe * farthest), math.inf)
     glint = np.where(np.isfinite(outlines.lobe), np.minimum(glint, onset), math.inf)
-    step = np.maximum(np.minimum(high - low, glint) / across, LEAST)
     is_other_side = np.maximum.reduceat(abeam + radius, first, axis=1) <= 0.0
     nearest = np.maximum(np.minimum.reduceat(abeam - radius, first, axis=1), 0.0)
-    return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest)
+    # Of a body at the border of the beam the part inside counts: |sin φ - axis| <= sin(w/2) / cos θ.
+    farther = np.sin(arrays.half_width) * np.hypot(1.0, height / np.maximum(nearest, LEAST))
+    inside = [np.arcsin(np.clip(arrays.pattern.centre + way * farther, -1.0, 1.0)) for way in (-1.0, 1.0)]
+    seen = np.minimum(high, inside[1]) - np.maximum(low, inside[0])
+    step = np.maximum(np.minimum(np.where(seen > 0.0, seen, high - low), glint) / across, LEAST)
+    corners = np.full((*low.shape, CORNERS), math.nan)
+    has_corners = (np.diff(np.append(first, radius.size)) == CORNERS) & (radius[first] == 0.0)
+    corners[:, has_corners] = azimuth[:, first[has_corners][:, None] + np.arange(CORNERS)]
+    return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest, corners)
 
 
 def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Booleans:
@@ -91,7 +110,7 @@ def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Boolea
     met = np.zeros(poses.x.size, np.bool_)
     if not has_bodies(arrays):
         return met
-    low, high, step, nearest = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
+    low, high, step, nearest, _ = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
     height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
     for azimuth, reach in zip(fan.azimuth, fan.reach):
         within = (low - TURNED <= azimuth) & (azimuth <= high + TURNED) & (step < math.inf)
@@ -104,9 +123,9 @@ def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: Azim
     sectors, known = _sectors_over_track(scene, arrays, across)
     planes, pings = fan.azimuth.size, sectors.low.shape[0]
     if planes not in known:
-        divided = find_pings_to_divide(fan, sectors, np.full(pings, scene.altitude))
+        divided = find_divided_pings(fan, sectors, np.full(pings, scene.altitude))
         half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
-        low, high, step, nearest = (column[divided] for column in sectors)
+        low, high, step, nearest = (column[divided] for column in sectors[:4])
         within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
         spacing = float(np.subtract(*_edges(fan)[::-1]).min())
         counted = (step < spacing) & (nearest < scene.sonar.range)
@@ -125,87 +144,30 @@ def _sectors_over_track(
     return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across), {}
 
 
-def find_pings_to_divide(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
-    """Pings with planes too wide for a body across them within reach, in order, by height above the lowest bed, m."""
-    width, step = np.subtract(*_edges(fan)[::-1]), sectors.step
-    bodies = np.flatnonzero(step.min(axis=0, initial=math.inf) < width.max())
-    if bodies.size == 0 or height.size == 0:
-        return np.zeros(0, np.int64)
-    some = TargetSectors(*(column[:, bodies] for column in sectors))
-    reached = fan.reach * height.max() >= some.nearest.min()
-    wide = AzimuthFan(*(column[reached & (width > some.step.min())] for column in fan))
-    at_once = max(MOST_AT_ONCE // max(wide.azimuth.size * bodies.size, 1), 1)
-    parts = (slice(first, first + at_once) for first in range(0, height.size, at_once))
-    return np.flatnonzero(np.concatenate([find_too_wide(wide, some, part, height).any(axis=(1, 2)) for part in parts]))
+def find_divided_pings(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
+    """Pings with planes to divide for a body across them within reach, in order, by height above the lowest bed, m."""
+    bodies = np.stack(sectors[:4], axis=2)
+    return np.flatnonzero(find_pings_to_divide(_as_table(fan), bodies, sectors.corners, height))
 
 
-def find_too_wide(fan: AzimuthFan, sectors: TargetSectors, pings: slice, height: Floats) -> Booleans:
-    """Which planes of which pings, (pings, planes, sides × bodies), lie across a body and are too wide for it."""
-    low, high = (edge[:, None] for edge in _edges(fan))
-    a, b, step, nearest = (column[pings, None, :] for column in sectors)
-    reached = nearest <= fan.reach[:, None] * height[pings, None, None]
-    return np.asarray((low < b) & (high > a) & reached & (high - low > (1.0 + LEAST) * step))
+def _as_table(fan: AzimuthFan) -> Floats:
+    """Sectors of a fan as `divide_sectors` takes them."""
+    low, high = _edges(fan)
+    return np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
 
 
 def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
-    """Divide the planes of a fan that are too wide for the targets of one ping."""
-    # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
-    needs = find_too_wide(fan, sectors, slice(ping, ping + 1), height)[0]
-    low, high = _edges(fan)
-    a, b, step = (column[ping, needs.any(axis=0)] for column in sectors[:3])
-    edges = _place_edges(
-        (low, high), needs.any(axis=1), np.clip(a, low.min(), high.max()), np.clip(b, low.min(), high.max())
-    )
-    middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    is_plane, parent = _find_parents(low, high, middle)
-    covered = (a <= middle[:, None]) & (middle[:, None] <= b) & needs.any(axis=1)[parent][:, None]
-    counts = np.maximum(width / np.where(covered, step, math.inf).min(axis=1), 1.0)
-    # Where many bodies lie in the beam, their planes are laid farther apart in equal parts.
-    stretch = max(float(counts[is_plane].sum()) / (MOST_OF_EACH * across + low.size), 1.0)
-    parts = np.where(is_plane, np.ceil(np.maximum(counts / stretch, 1.0) - LEAST), 0.0).astype(np.int64)
-    number = np.concatenate([np.arange(n) for n in parts])
-    size = np.repeat(width / np.maximum(parts, 1), parts)
-    start = np.repeat(edges[:-1], parts) + number * size
-    return _make_fan(fan, (low, high), start, start + size)
-
-
-def _place_edges(planes: tuple[Floats, Floats], dense: Booleans, a: Floats, b: Floats) -> Floats:
-    """Edges of planes and of bodies, without those of divided planes that lie across a body."""
-    low, high = planes
-    own = np.unique(np.concatenate(planes))
-    touching = (np.abs(own[:, None] - low) < LEAST) | (np.abs(own[:, None] - high) < LEAST)
-    across = ((a + LEAST < own[:, None]) & (own[:, None] < b - LEAST)).any(axis=1)
-    kept = own[~(across & (dense | ~touching).all(axis=1) & (own != 0.0))]
-    # Sectors of a top-hat lie on one side of athwart.
-    edges = np.unique(np.concatenate([kept, a, b, [0.0] if low.min() < 0.0 < high.max() else []]))
-    return edges[np.append(True, np.diff(edges) > LEAST)]
-
-
-def _find_parents(low: Floats, high: Floats, azimuth: Floats) -> tuple[Booleans, Integers]:
-    """Whether azimuths lie in planes, which may have gaps between them, and in which."""
-    order = np.argsort(low)
-    parent = order[np.maximum(np.searchsorted(low[order], azimuth, side="right") - 1, 0)]
-    return (low[parent] <= azimuth) & (azimuth <= high[parent]), parent
-
-
-def _make_fan(fan: AzimuthFan, planes: tuple[Floats, Floats], low: Floats, high: Floats) -> AzimuthFan:
-    """Planes between edges, in place of those of a fan."""
-    (_, first), (_, parent), (_, last) = (
-        _find_parents(*planes, at) for at in (low + LEAST, 0.5 * (low + high), high - LEAST)
-    )
-    share = (high - low) / (planes[1] - planes[0])[parent]
+    """Divide the planes of a fan that are too wide for the targets of one ping, or hold their borders."""
+    planes, bodies = _as_table(fan), np.column_stack([column[ping] for column in sectors[:4]])
+    most = MOST_OF_EACH * across + len(planes)
+    parts = divide_sectors(planes, bodies, sectors.corners[ping], float(height[ping]), most)
+    low, high, angle, far_angle, near_field, reach, apart = parts.T
     sines = np.sin(low), np.sin(high)
     if (fan.s_low >= 0.0).all():  # of a top-hat, for which both sides of athwart are alike
         sines = np.minimum(*np.abs(sines)), np.maximum(*np.abs(sines))
-    return AzimuthFan(
-        azimuth=0.5 * (low + high),
-        s_low=sines[0],
-        s_high=sines[1],
-        angle=fan.angle[parent] * share,
-        far_angle=fan.far_angle[parent] * share,
-        near_field=fan.near_field[parent],
-        reach=np.maximum(np.maximum(fan.reach[first], fan.reach[last]), fan.reach[parent]),
-    )
+    columns: tuple[Floats, ...] = (0.5 * (low + high), *sines, angle, far_angle, near_field, reach)
+    azimuth, s_low, s_high, angle, far_angle, near_field, reach = (np.ascontiguousarray(each) for each in columns)
+    return AzimuthFan(azimuth, s_low, s_high, angle, far_angle, near_field, reach, apart > 0.5)
 
 
 def _edges(fan: AzimuthFan) -> tuple[Floats, Floats]:
@@ -233,6 +195,10 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: Floats) -> _Outlines:
     some = Solids(*(column[kept] for column in solids))
     x, y, radius, first, hulls = _hulls_of(some, mesh)
     materials = reflectivity[np.append(some.material, mesh.material[np.unique(mesh.target, return_index=True)[1]])]
+    # The end of a body that lies nearly level is seen from aside at its middle, which leans by as much to both sides.
+    radius[: CORNERS * some.length.size][
+        np.repeat((some.length > 0.0) & (np.abs(some.axis[:, 2]) < LEANING), CORNERS)
+    ] = 0.0
     # A ball turns its side with azimuth as an upright cylinder does, a level one and a flat side do not.
     upright = np.where(is_ball[kept], 1.0, np.abs(some.axis[:, 2]))
     lobe = 1.0 / np.sqrt(np.maximum(materials[:, 2], 1.0))
@@ -247,14 +213,20 @@ def _outlines_of(solids: Solids, mesh: Mesh, reflectivity: Floats) -> _Outlines:
 
 
 def _hulls_of(solids: Solids, mesh: Mesh) -> tuple[Floats, Floats, Floats, Integers, list[Floats]]:
-    """Points at the ends of solids and then about meshes: x, y, radii of the ends, first point of each, hulls."""
-    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1).reshape(-1, 3)
+    """Points about solids and then about meshes: x, y, radii about the points, first point of each body, hulls."""
+    ends = np.stack([solids.start, solids.start + solids.length[:, None] * solids.axis], axis=1)
     radius = np.maximum(solids.radius, solids.radius + solids.taper * solids.length)
+    # Seen from above the flat end of a body is as wide as the body across its axis, and as deep as the axis is steep.
+    level = np.hypot(solids.axis[:, 0], solids.axis[:, 1])
+    flat = np.where((solids.length > 0.0) & (level > LEAST), radius / np.maximum(level, LEAST), 0.0)
+    aside = flat[:, None] * np.column_stack([-solids.axis[:, 1], solids.axis[:, 0]])
+    corners = np.concatenate([ends[:, :, :2] + aside[:, None], ends[:, :, :2] - aside[:, None]], axis=1)
+    about = np.where(flat > 0.0, radius * np.abs(solids.axis[:, 2]), radius)
     hulls = [_hull_from_above(mesh.corners[mesh.target == target]) for target in np.unique(mesh.target)]
-    points = np.concatenate([ends[:, :2], *hulls])
-    sizes = [2] * radius.size + [len(hull) for hull in hulls]
+    points = np.concatenate([corners.reshape(-1, 2), *hulls])
+    sizes = [CORNERS] * radius.size + [len(hull) for hull in hulls]
     first = np.append(0, np.cumsum(sizes)[:-1]).astype(np.int64)
-    return points[:, 0], points[:, 1], np.repeat(radius, 2), first, hulls
+    return points[:, 0], points[:, 1], np.repeat(about, CORNERS), first, hulls
 
 
 def _hull_from_above(corners: Floats) -> Floats:

@@ -140,7 +140,7 @@ def test_truth_is_that_of_an_ideal_pulse(short):
     """The tone of 0.1 ms of this scene reaches on by 7.5 cm, past two bins."""
     simulation = prepare(short)
     record = simulate(short, truth=True)
-    traced = sweep.trace(simulation.reduced, simulation.poses(np.arange(6)), planes=simulation.plan.planes)
+    traced = simulation.trace(simulation.poses(np.arange(6)))
     np.testing.assert_array_equal(np.moveaxis(record.target_id.values, 1, 0) == -2, traced == 0.0)
     assert (record.intensity.values[record.target_id.values == -2] > 0.0).any()
 

@@ -14,6 +14,7 @@ from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
 from insonify_viewer.core_types import CrossSection, PixelExplanation
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.buttons import make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
@@ -260,6 +261,7 @@ class BudgetList(ThemedText):
                 (whole, terms),
                 (("returned by", "", "", 0.0), _contributions(explanation)),
                 (("hidden by", "", "", 0.0), _obstructions(explanation)),
+                (("estimated error", "", "", 0.0), _errors(explanation)),
             )
             self.groups = [(head, rows) for head, rows in groups if rows or head[1]]
             self._notes = explanation.approximations
@@ -314,6 +316,13 @@ def _obstructions(explanation: PixelExplanation) -> list[Row]:
         for each in explanation.obstructions[:MOST]
     ]
     return [*hiders, ("if nothing hid it", _level(explanation.unhidden), "", math.nan)] if hiders else []
+
+
+def _errors(explanation: PixelExplanation) -> list[Row]:
+    """Errors of tracing where they are known: of the side of the ping, and of this bin over its mean echo."""
+    side = ("of this side of the ping", format_share(explanation.error), "", math.nan)
+    own = ("of this bin", format_share(explanation.bin_error), "of its mean echo", math.nan)
+    return [row for row, error in ((side, explanation.error), (own, explanation.bin_error)) if not math.isnan(error)]
 
 
 def _percent(share: float) -> str:

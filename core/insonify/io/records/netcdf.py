@@ -96,6 +96,8 @@ def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
             file[name][place] = _stored(variable.values)
         elif first or name in TARGET_TRUTH:
             file[name][...] = _stored(variable.values)
+    # Those of the whole record come with its last block.
+    file.setncatts({key: _plain(value) for key, value in block.attributes.items() if key not in file.ncattrs()})
 
 
 def _lay_out(file: Any, block: RecordBlock, compression: str) -> None:
@@ -114,7 +116,7 @@ def _lay_out(file: Any, block: RecordBlock, compression: str) -> None:
         layout = {"chunksizes": _chunks(variable), "fill_value": False, **packed} if chunked else {}
         made = file.createVariable(name, stored, variable.dims, **layout)
         made.setncatts(_attributes(block, name, variable))
-    file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attributes.items()})
+    file.setncatts(CONVENTIONS)
 
 
 def _chunks(variable: RecordVariable) -> list[int]:

@@ -12,7 +12,7 @@ from insonify.arrays import Dataset
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import SUFFIX, Archive
 from insonify.io.record_block import RecordBlock, make_record_block
-from insonify.io.record_schema import ACROSS, BOX, TARGET_TRUTH
+from insonify.io.record_schema import ACROSS, BOX, ERRORS, TARGET_TRUTH
 
 ALONG = "ping_time"
 ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
@@ -29,7 +29,7 @@ def write_npz(path: str | Path, blocks: Iterable[RecordBlock]) -> None:
             used = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
             axis = variable.dims.index(ALONG) if along else 0
             _write_joined(archive, name, [_stored(part.variables[name].values) for part in used], axis)
-        for key, value in parts[0].attributes.items():
+        for key, value in parts[-1].attributes.items():
             _write_joined(archive, f"{ATTRIBUTE}{key}", [_stored(np.array(value))], 0)
 
 
@@ -69,8 +69,9 @@ def read_npz(path: str | Path) -> Dataset:
 
 def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:
     """Name the dimensions of an array, which an archive does not keep, by its name or by its number of dimensions."""
-    if name in TARGET_TRUTH:
-        return TARGET_TRUTH[name][0]
+    described: dict[str, Any] = TARGET_TRUTH | ERRORS
+    if name in described:
+        return tuple(described[name][0])
     if name in (*sizes, *BOX):
         return (name,)
     if len(shape) == len(ACROSS):

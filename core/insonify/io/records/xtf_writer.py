@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from insonify.arrays import Floats, Singles
 from insonify.io.georeference import Georeference, convergence, find_georeference, to_degrees
 from insonify.io.record_block import RecordBlock
-from insonify.io.record_schema import PLATFORM
+from insonify.io.record_schema import PLATFORM, RECORD_ERROR
 
 PROGRAM = b"insonify"
 ALONG_TRACK, ALONG_RANGE = ("ping_time", *PLATFORM), ("slant_range", "travel_time")
@@ -35,7 +35,8 @@ DEGREES, METRES = 3, 0  # of NavUnits
 SLANT_RANGE = 1  # of CorrectionFlags
 # A record without a place is put into the sea north of Mallorca, on the central meridian of a UTM zone.
 NOWHERE = Georeference("+proj=tmerc +lat_0=40 +lon_0=3 +ellps=WGS84 +units=m", (0.0, 0.0))
-MADE_UP = " (place made up)"
+MADE_UP, ERROR = " (place made up)", ", error {:.2g} %"
+NOTE = 63  # letters of a note
 NO_DATE = "2000-01-01T00:00:00"
 # Vertical beam, in degrees, where the record has none: from the horizontal to nadir.
 TILT, OPENING = 45.0, 90.0
@@ -100,7 +101,7 @@ def _spool(blocks: Iterable[RecordBlock], spool: IO[bytes]) -> _Survey:
         np.ascontiguousarray(amplitude, dtype=np.float32).tofile(spool)
         loudest = max(loudest, float(amplitude.max()))
         parts.append({name: variables[name].values for name in (*ALONG_TRACK, *ALONG_RANGE) if name in variables})
-        attributes = attributes or block.attributes
+        attributes = block.attributes  # the last has the error of the whole record
     first = parts[0]
     edge = float(first["slant_range"][-1] + first["slant_range"][0])  # the first centre is half a bin from 0
     duration = edge * float(first["travel_time"][-1] / first["slant_range"][-1])
@@ -126,7 +127,9 @@ def _file_header(survey: _Survey, kind: SampleType, unit: float) -> Any:
     header.RecordingProgramName, header.RecordingProgramVersion = PROGRAM, b"1"
     header.SonarName = PROGRAM
     place, title = find_georeference(survey.attributes), str(survey.attributes.get("title", ""))
-    note = title[:63] if place else f"{title[: 63 - len(MADE_UP)]}{MADE_UP}"
+    error = float(survey.attributes.get(RECORD_ERROR, math.nan))
+    notes = ("" if place else MADE_UP) + ("" if math.isnan(error) else ERROR.format(100.0 * error))
+    note = f"{title[: NOTE - len(notes)]}{notes}"
     header.NoteString = note.encode("ascii", "replace")
     header.NavUnits = METRES if place is not None and not place.crs else DEGREES
     header.NumberOfSonarChannels = 2

@@ -110,7 +110,10 @@ def _width_taken_in(x, r, sector):
 @inlined_uncounted
 def _azimuth_taken_in(x, r, sector):
     """Azimuth of the part of a sector inside the beam's cone: |sin φ| <= sin(w/2) / cos θ."""
-    return min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - arcsine(sector.s_low), 0.0), sector.angle)
+    low = arcsine(sector.s_low)
+    one_hand = arcsine(sector.s_high) - low  # a plane along the axis stands for both
+    taken = min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - low, 0.0), one_hand)
+    return taken * (sector.angle / one_hand)
 
 
 @inlined_uncounted

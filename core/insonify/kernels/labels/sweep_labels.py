@@ -28,7 +28,7 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, empty_stretches, split_segment
 from insonify.kernels.labels.shadows import NO_TARGET, label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
-from insonify.kernels.multipath.surface_multipath import add_multipath
+from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.facets import (
     divide_facet,
@@ -47,7 +47,8 @@ from insonify.kernels.sweep.partial_segments import (
     slant_range,
     visible_from,
 )
-from insonify.kernels.sweep.sweep import aim_plane, sweep_plane
+from insonify.kernels.sweep.plane_errors import add_plane, finish_side, square_record
+from insonify.kernels.sweep.sweep import aim_plane, begin_measured, can_measure, reach_in_bins, sweep_plane
 from insonify.kernels.sweep.target_echoes import BedHorizon, cell_facet, is_cell_clear, load_cell, visible_facet
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
@@ -101,6 +102,7 @@ class LabelledPings(NamedTuple):
     labels: RecordLabels  # of all pings, with cosines in place of the incidence in degrees
     energy: NDArray[np.float32]  # (pings, 2, bins) of the greatest contributor, in units of all bins at that range
     traced: NDArray[np.float32]  # (pings, 2, bins) intensity, as the sweep and its multipath find it
+    errors: NDArray[np.float64]  # (pings, 2, 3, 2) as `sweep_pings` has them; with no pings, no error is estimated
     places: NDArray[np.int64]  # rows of all these that belong to the pings
 
 
@@ -116,7 +118,7 @@ class LabelledSegment(NamedTuple):
 
 @kernel
 def label_swept_pings(
-    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, contributions, shadows, out
+    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, sums, contributions, shadows, out
 ):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
@@ -127,7 +129,7 @@ def label_swept_pings(
     fan, image_fan : AzimuthFan
         Planes of the sonar's beam, and of its image's in the sea surface.
     apparent, contributors : ApparentTables, Contributors
-    workspace, multipath : SweepWorkspace, MultipathWorkspace
+    workspace, multipath, sums : SweepWorkspace, MultipathWorkspace, PlaneSums
     contributions, shadows : ContributorTable, ShadowTable
         Empty, with a row for every contributor by every path, and one for every target.
     out : LabelledPings
@@ -135,19 +137,32 @@ def label_swept_pings(
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     by_surface, stretches = np.zeros(arrays.bins, np.float32), empty_stretches(workspace.zbuffer)
+    shares, factor, is_measured = empty_shares(fan, image_fan), arrays.range_factor, can_measure(fan, out.errors)
+    no_bins = np.zeros(0, np.float32)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             place = out.places[ping]
             intensity = out.traced[place, side]
-            _note_direct(arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins)
-            accumulate_bins(bins, arrays.range_factor, intensity)
+            missed = out.errors[place : place + 1, side]
+            if is_measured:
+                begin_measured(arrays, poses, ping, side, fan, sums, shares)
+            _note_direct(
+                arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins,
+                sums, shares, is_measured,
+            )  # fmt: skip
+            if is_measured:
+                missed[0] = 0.0
+                finish_side(sums, factor, intensity, missed[0], no_bins)
+                square_record(sums, factor, intensity, missed[0])
+            else:
+                accumulate_bins(bins, factor, intensity)
             if arrays.multipath.enabled:
                 sink = EchoSink(bins, contributions, True)
-                add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
-                accumulate_bins(bins, arrays.range_factor, by_surface)
-                for k in range(arrays.bins):
-                    intensity[k] += by_surface[k]
+                add_multipath(
+                    arrays, poses, ping, side, fan, image_fan, multipath, sink, sums, shares, by_surface, intensity,
+                    missed, no_bins,
+                )  # fmt: skip
             materials = arrays.reflectivity.shape[0]
             label_shadows(shadows, contributions, materials, out.labels, place, side)
             sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, out.labels.target_echo[place, side])
@@ -155,7 +170,9 @@ def label_swept_pings(
 
 
 @kernel_uncounted
-def _note_direct(arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins):
+def _note_direct(
+    arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins, sums, shares, is_measured
+):
     """Sweep the planes of one side of one ping, and note what each contributes."""
     profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     for k in range(fan.azimuth.size):
@@ -165,6 +182,8 @@ def _note_direct(arrays, poses, ping, side, fan, grid, workspace, stretches, con
             _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, stretches, contributions, shadows)
         if cells > 0:
             _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
+        if is_measured:
+            add_plane(sums, bins, shares[k], reach_in_bins(arrays, plane.z, reach), fan.azimuth[k], fan.apart[k])
 
 
 @kernel_uncounted

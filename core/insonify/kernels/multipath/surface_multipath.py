@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, raise_sector
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
 from insonify.kernels.beam.pattern import two_way_response
@@ -57,7 +57,8 @@ from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.partial_segments import launch_angle, next_stretch, visible_from
-from insonify.kernels.sweep.sweep import LOWEST, aim_plane
+from insonify.kernels.sweep.plane_errors import NODES, add_plane, finish_side, square_record
+from insonify.kernels.sweep.sweep import LOWEST, aim_plane, begin_measured, can_measure
 from insonify.kernels.sweep.visibility import launch_slopes, running_horizon, slant_ranges
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import is_hidden, occluded_slopes, occlusion_of
@@ -102,8 +103,8 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
 
 
 @kernel
-def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out):
-    """Add the echoes by way of the sea surface to the records of pings.
+def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sums, out, errors, bin_errors):
+    """Add the echoes by way of the sea surface to the records of pings, and what their planes miss to the errors.
 
     Parameters
     ----------
@@ -116,27 +117,46 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, out
     workspace : MultipathWorkspace
     contributions : ContributorTable
         Left alone.
+    sums : PlaneSums
     out : ndarray of float32, shape (n, 2, bins)
         Added to.
+    errors, bin_errors : ndarray of float64, shape (n, 2, 3, 2), and of float32, shape (n, 2, bins)
+        As of `sweep_pings`; added to.
     """
-    bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    line = np.zeros(arrays.bins, np.float32)
-    sink = EchoSink(bins, contributions, False)
+    line, shares = np.zeros(arrays.bins, np.float32), empty_shares(fan, image_fan)
+    sink = EchoSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), contributions, False)
     for ping in range(poses.x.size):
         for side in range(2):
-            add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink)
-            accumulate_bins(bins, arrays.range_factor, line)
-            for k in range(arrays.bins):
-                out[ping, side, k] += line[k]
+            missed = errors[ping : ping + 1, side]
+            add_multipath(
+                arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, out[ping, side], missed,
+                bin_errors[ping, side],
+            )  # fmt: skip
+
+
+@inlined
+def empty_shares(fan, image_fan):
+    """Room for the shares of the planes of a beam, none of those of its image alone."""
+    return np.zeros((fan.azimuth.size + image_fan.azimuth.size, NODES + 1))
 
 
 @kernel_uncounted
-def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
-    """Put the echoes by way of the sea surface of one side of one ping into a difference array."""
+def add_multipath(
+    arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed, bin_errors
+):
+    """Add the echoes by way of the sea surface to one side of one ping; ``missed`` has a row if errors are estimated.
+
+    The echo of the surface itself does not count in them: it is exact, and may outweigh all others.
+    """
+    is_measured, factor, bins = can_measure(fan, missed), arrays.range_factor, sink.bins
+    if is_measured:
+        begin_measured(arrays, poses, ping, side, fan, sums, shares)
+        sums.planes[1] = 0  # waves may shorten a path
     pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
     for of_image in range(2):
         beam, height = (image_fan if of_image == 1 else fan), max(poses.z[ping] - arrays.bed.low, LOWEST)
-        for k in range(fan.azimuth.size if alike and of_image == 1 else 0, beam.azimuth.size):
+        first = fan.azimuth.size if alike and of_image == 1 else 0
+        for k in range(first, beam.azimuth.size):
             # Reaches per height in both fans; 0 in that of which the plane is not one.
             mixed = fan.reach[k] if of_image == 0 else 0.0
             mirrored = image_fan.reach[k] if alike or of_image == 1 else 0.0
@@ -146,8 +166,26 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
                 plane_reach(arrays, pairs[2], mixed, height),
             )
             add_image_plane(arrays, poses, ping, side, beam, k, pairs, reaches, workspace, sink)
+            if is_measured:
+                row = k if of_image == 0 else fan.azimuth.size + k - first
+                add_plane(sums, bins, shares[row], arrays.bins, beam.azimuth[k], beam.apart[k] or k == first)
+    if is_measured:
+        finish_side(sums, factor, line, missed[0], bin_errors)
+    else:
+        accumulate_bins(bins, factor, line)
+    _add_line(line, intensity)
+    if is_measured:
+        square_record(sums, factor, intensity, missed[0])
     if arrays.multipath.surface_echo:
         add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
+        accumulate_bins(bins, factor, line)
+        _add_line(line, intensity)
+
+
+@inlined_uncounted
+def _add_line(line, intensity):
+    for k in range(line.size):
+        intensity[k] += line[k]
 
 
 @inlined_uncounted

@@ -8,12 +8,12 @@ afterwards; their change within a bin enters by the shares of each step. Derived
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.compiler.jit import inlined_uncounted, kernel
+from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
@@ -21,12 +21,28 @@ from insonify.kernels.bed.slice import slice_bed, snap_to_grid
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.types import PORT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.refraction.apparent_positions import ApparentTables, apply_apparent_positions, prepare_table
+from insonify.kernels.refraction.apparent_positions import (
+    ApparentTables,
+    apply_apparent_positions,
+    prepare_table,
+    straight_grid,
+)
 from insonify.kernels.sweep.partial_segments import (
     deposit_partial_segment,
     deposit_visible_stretches,
     load_segment,
     visible_from,
+)
+from insonify.kernels.sweep.plane_errors import (
+    LEAST_PLANES,
+    NODES,
+    add_plane,
+    begin_side,
+    divide_bins,
+    finish_side,
+    share_planes,
+    square_record,
+    weigh_plane,
 )
 from insonify.kernels.sweep.segment_densities import deposit_densities, deposit_linear_densities
 from insonify.kernels.sweep.target_echoes import deposit_targets
@@ -47,6 +63,12 @@ class AzimuthFan(NamedTuple):
     far_angle: NDArray[np.float64]
     near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
     reach: NDArray[np.float64]  # greatest ground range in the plane inside the beam, per metre of that height
+    apart: NDArray[np.bool_]  # whether a border of a target lies between the plane and the one before it
+
+    def take(self, which: Any) -> "AzimuthFan":
+        """Return some of the planes, by a mask, by their places or by a slice."""
+        columns: list[Any] = [np.ascontiguousarray(column[which]) for column in self]
+        return AzimuthFan(*columns)
 
 
 class SweepWorkspace(NamedTuple):
@@ -132,8 +154,8 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
 
 
 @kernel
-def sweep_pings(arrays, poses, fan, apparent, workspace, out):
-    """Sweep every plane of every ping.
+def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors, bin_errors):
+    """Sweep every plane of every ping, and estimate what their sum misses.
 
     Parameters
     ----------
@@ -141,27 +163,80 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, out):
     poses : Poses
         n pings.
     fan : AzimuthFan
-        The planes.
+        The planes, in the order of their azimuths.
     apparent : ApparentTables
         Of water that refracts.
     workspace : SweepWorkspace
+    sums : PlaneSums
     out : ndarray of float32, shape (n, 2, bins)
         Takes the intensity of both sides.
+    errors : ndarray of float64, shape (n, 2, 3, 2)
+        Takes by region the squares of the error and of the record over that of a level bed; with no pings, no error is
+        estimated.
+    bin_errors : ndarray of float32, shape (n, 2, bins)
+        Takes the error of every bin as an intensity; without bins, none is found.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
+    shares = np.zeros((fan.azimuth.size, NODES + 1))
+    _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, fan, apparent, workspace, bins, out):
+def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors):
     """Sweep every plane of every ping, without counting references."""
+    is_measured = can_measure(fan, errors)
     for ping in range(poses.x.size):
         grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
+            if is_measured:
+                begin_measured(arrays, poses, ping, side, fan, sums, shares)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-            accumulate_bins(bins, arrays.range_factor, out[ping, side])
+                if is_measured:
+                    end = reach_in_bins(arrays, plane.z, reach)
+                    add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
+            if is_measured:
+                errors[ping, side] = 0.0
+                finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side], bin_errors[ping, side])
+                square_record(sums, arrays.range_factor, out[ping, side], errors[ping, side])
+            else:
+                accumulate_bins(bins, arrays.range_factor, out[ping, side])
+
+
+@inlined_uncounted
+def can_measure(fan, errors):
+    """Whether errors are to be estimated, and a fan has enough planes for it."""
+    return errors.shape[0] > 0 and fan.azimuth.size >= LEAST_PLANES
+
+
+@inlined_uncounted
+def reach_in_bins(arrays, z, reach):
+    """Bin beyond which a plane of a ground range has no echoes of a bed within its heights."""
+    farthest = math.hypot(reach + 2.0 * arrays.bed.spacing, z - arrays.bed.low)
+    return np.int64(farthest / arrays.bin_length) + 2
+
+
+@kernel_uncounted
+def begin_measured(arrays, poses, ping, side, fan, sums, shares):
+    """Clear the sums of a side, and weigh its planes unless those of the ping before are weighed alike."""
+    begin_side(sums)
+    if side == PORT and ping > 0 and _is_posed_alike(poses, ping):
+        return
+    if side != PORT and poses.roll[ping] == 0.0:
+        return
+    divide_bins(sums, arrays, poses.z[ping])
+    for k in range(fan.azimuth.size):
+        _, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
+        weigh_plane(sums, arrays, poses.z[ping], sector, shares[k])
+    share_planes(sums, shares)
+
+
+@inlined_uncounted
+def _is_posed_alike(poses, ping):
+    """Whether a ping has the height and attitude of the one before, without roll."""
+    alike = poses.z[ping] == poses.z[ping - 1] and poses.pitch[ping] == poses.pitch[ping - 1]
+    return alike and poses.roll[ping] == 0.0 and poses.roll[ping - 1] == 0.0
 
 
 @inlined_uncounted

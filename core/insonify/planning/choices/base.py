@@ -152,6 +152,12 @@ class Case:
         )
 
     @property
+    def is_level(self) -> bool:
+        """Whether the bed is alike all along the beam, so that one plane stands for it: level and of one material."""
+        bed = self.packed.arrays.bed
+        return self.scene.seabed.relief.level and bool((bed.materials == bed.materials.flat[0]).all())
+
+    @property
     def few_planes(self) -> int:
         """Planes by which effects are compared; one for beams with a pattern, which need many near nadir."""
         return FEW_PLANES if self.scene.sonar.beam.has_width and not self.packed.arrays.pattern.tabulated else 1
@@ -235,10 +241,6 @@ class Choice(ABC):
         """
         return 0.0
 
-    def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error of a setting that is about to be chosen, in which nothing is interpolated that can be measured."""
-        return self.error(case, model, cautious)
-
     @abstractmethod
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entries of the plan about it; none if it does not concern the scene."""
@@ -251,10 +253,6 @@ class Choice(ABC):
         """Value of another model where the scene admits it, otherwise the finest."""
         values, value = self.settings(case, model), getattr(last, self.field)
         return value if value in values else values[-1]
-
-    def measured_with(self, model: Model) -> Any:
-        """Return the settings of a model on which the error of this choice depends: its own."""
-        return getattr(model, self.field)
 
     def applies(self, model: Model) -> bool:
         """Whether the tracer of a model is made finer by this choice's field."""

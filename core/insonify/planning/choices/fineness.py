@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from itertools import takewhile
 
+from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.packing.packed_scene import Model
 from insonify.planning.choices.base import (
-    FEW_PLANES,
     FEWEST_RAYS,
     FINENESS,
     GRID,
@@ -18,13 +17,12 @@ from insonify.planning.choices.base import (
 )
 from insonify.planning.choices.effects import SMALL_EFFECTS
 from insonify.planning.plan_entries import PlanEntry, percent
+from insonify.planning.probe import FEW_PLANES, MANY_PLANES, MEASURED, PlaneLaw
 from insonify.scene import SceneError
 from insonify.tracers.base import AUTO, Ladder, find_tracer, list_methods
+from insonify.tracers.plane_counts import COUNTS
 
-# Numbers of planes that a plan may choose.
-COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
-MOST_PLANES = COUNTS[-1]
-OF_A_TARGET = (4, 8, 16)  # planes across each target and each glint
+OF_A_TARGET = 4  # planes across each target and each glint, where a ping has no more of all
 # Rays per side of the sweep's pings with several eigenrays or none; each number is judged by the next.
 RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
 PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one core at the longest ranges
@@ -32,10 +30,7 @@ STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed: its record has a closed form
 NEARER = 1.0 / 3.0  # weight of the error over all bins, the strong ones near nadir too: three times the tolerance
 LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
-SEVERAL = 2  # planes, the fewest that average over the beam
-# Errors of effects, of segments and of nodes beside which errors of fineness are measured; what is finer than the nodes
-# may be what several planes average.
-BESIDE_EFFECTS, BESIDE_SEGMENTS, BESIDE_NODES = 0.05, 0.02, 0.005
+BESIDE_EFFECTS = 0.05  # errors of effects beside which errors of fineness are measured
 
 
 class Method(Choice):
@@ -74,59 +69,42 @@ class Method(Choice):
         yield self.entry(case, model.method, reason, error=error, cost=cost, options=options)
 
 
-class Planes(Doublings):
-    """Planes across the beam."""
+class Planes(Number):
+    """Planes across the beam by which every ping begins; a ping of too great an error has more."""
 
-    subject, field, rank, high = "planes", "planes", 1, 512
-    nearer = NEARER
+    subject, field, stage, rank, high = "planes", "planes", FINENESS, 1, 512
     offered = ("2", "4", "8", "16", "32", "64")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
-        """Return the numbers of planes; one for a beam without width."""
+        """Return the numbers of planes; one for a beam without width, and over a bed that is alike along the beam."""
         if not (self.applies(model) and case.scene.sonar.beam.has_width):
             return (1,)
         wish = self.wish(case)
         if wish is not None:
             return (wish,)
-        fewest = 2 if case.scene.receiver.speckle.interferes else 1  # each scatterer has its own place in the beam
-        return tuple(count for count in COUNTS if count >= fewest)
+        if case.is_level and not case.scene.receiver.speckle.interferes:
+            return (1,)
+        # A single plane stands for a whole beam over a level bed, but for borders of its materials.
+        single = (1,) if case.scene.seabed.relief.level and not case.scene.receiver.speckle.interferes else ()
+        return single + tuple(count for count in COUNTS if count >= LEAST_PLANES)
+
+    def law(self, case: Case, model: Model) -> PlaneLaw:
+        """Errors by the number of planes, beside the least of other settings."""
+        return case.probe.measure_planes(_swept(case)._replace(across=model.across))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error measured at the doubling below; none for a beam without width."""
-        return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
+        """Error of a number of planes by the law that is measured; none for a beam without width."""
+        if self.wish(case) is None:
+            if self.settings(case, model) == (1,):
+                return 0.0
+            if model.planes == 1:
+                return self.single_error(case, model)
+        return self.law(case, model).of(model.planes)
 
-    def confirmed(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error of a number of planes; of one between two rungs no less than its difference from twice as many.
-
-        Planes fall on other places of the bed for each number, so that five may err more than four. A plan reports that
-        difference alone.
-        """
-        error = self.error(case, model, cautious)
-        if error == 0.0 or model.planes == self.rung(case, model):
-            return error
-        own = case.probe.difference(*self._judged(case, model), nearer=self.nearer * cautious, cautious=cautious)
-        return max(error, own) if cautious else own
-
-    def _judged(self, case: Case, model: Model) -> tuple[Model, Model]:
-        """Models of a rung and of its double; between two rungs the model itself and one of twice its planes."""
-        rung = self.rung(case, model)
-        if model.planes == rung:
-            return self.pair(case, model, rung)
-        return model, model._replace(planes=2 * model.planes)
-
-    def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
-        """Models of a rung and of its double, beside other settings that err by little."""
-        across = TargetPlanes().settings(case, model)[0]
-        plain = _finest(case, model)._replace(every=Spacing().common(case, model), across=across)
-        coarse, fine = super().pair(case, plain, rung)
-        # One plane and two within the same cells of the bed are alike, which does not predict a wider fan.
-        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES))
-
-    def near_error(self, case: Case, model: Model) -> float:
-        """Error over all bins from the first return."""
-        if not (self.applies(model) and case.scene.sonar.beam.has_width):
-            return 0.0
-        return case.probe.difference(*self._judged(case, model), nearer=1.0)
+    def single_error(self, case: Case, model: Model) -> float:
+        """Error of one plane over a level bed of several materials, which pings do not measure themselves."""
+        coarse = _swept(case)._replace(across=model.across)
+        return case.probe.difference(coarse, coarse._replace(planes=MANY_PLANES), nearer=1.0, cautious=True)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -135,12 +113,20 @@ class Planes(Doublings):
         if not case.scene.sonar.beam.has_width:
             yield self.entry(case, "1 plane", "a knife-edge beam has no width")
             return
-        if model.planes == self.rung(case, model):
-            reason = self.measured(case, model, "planes", error)
+        if error == 0.0:
+            reason = "a level bed of one material is alike across the beam; a ping that meets a target has several"
+        elif model.planes == 1 and self.wish(case) is None:
+            reason = f"on a level bed, 1 and {MANY_PLANES} planes differ by {percent(error)} on {case.pings(model)}"
         else:
-            _, fine = self._judged(case, model)
-            reason = f"{model.planes} and {fine.planes} planes differ by {percent(error)} on {case.pings(fine)}"
-        cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
+            few = percent(self.law(case, model).error)
+            reason = (
+                f"{FEW_PLANES} and {MANY_PLANES} planes differ by {few} on {MEASURED} pings; estimated error with "
+                f"{model.planes}: {percent(error)}"
+            )
+            if self.wish(case) is None:
+                reason += "; a ping of a greater error than the tolerance has more"
+        alike = model._replace(across=0)
+        cost = case.probe.seconds(alike) - case.probe.seconds(alike._replace(planes=1))
         choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
         yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
 
@@ -148,40 +134,25 @@ class Planes(Doublings):
 class TargetPlanes(Number):
     """Planes across each target in the beam and across each glint, where those of the beam are farther apart."""
 
-    subject, field, stage, rank, low, high = "target_planes", "across", FINENESS, 1, 0, 64
-    offered = ("0", *(str(number) for number in OF_A_TARGET))
+    subject, field, stage, rank, low, high = "target_planes", "across", GRID, 1, 0, 64
+    offered = ("0", "4", "8", "16")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
-        """Return the numbers of planes across a target; none without targets or for a beam without width."""
-        if not self._counts(case, model):
-            return (0,)
+        """Return the number of planes across a target; none without targets or for a beam without width."""
         wish = self.wish(case)
-        return OF_A_TARGET if wish is None else (wish,)
+        return (OF_A_TARGET if wish is None else wish,) if self._counts(case, model) else (0,)
 
     def _counts(self, case: Case, model: Model) -> bool:
         return bool(self.applies(model) and case.scene.sonar.beam.has_width and case.targets)
-
-    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error measured from twice as many, beside no more planes of the beam than a model's."""
-        if model.across == 0:
-            return 0.0
-        coarse, _ = Planes().pair(case, model, Planes().rung(case, model))
-        coarse = coarse._replace(across=model.across)
-        fine = coarse._replace(across=2 * model.across)
-        return case.probe.difference(coarse, fine, nearer=NEARER * cautious, cautious=cautious)
-
-    def measured_with(self, model: Model) -> tuple[int, int]:
-        """Numbers on which the error depends: that of planes, and that across targets."""
-        return model.planes, model.across
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes across targets, with the time that they add to a ping on average."""
         if not self._counts(case, model):
             return
         cost = max(case.probe.seconds(model) - case.probe.seconds(model._replace(across=0)), 0.0)
-        reason = "at least as many across each target in the beam and each glint, where planes are farther apart"
+        reason = "at least as many across each target in the beam and each glint, with a border at each end of a target"
         choice = f"{model.across} planes across each target"
-        yield self.entry(case, choice, reason, error=error, cost=cost, options=self.offered)
+        yield self.entry(case, choice, reason, cost=cost, options=self.offered)
 
 
 class Rays(Doublings):
@@ -221,7 +192,7 @@ class Rays(Doublings):
 
         Many rays take long, so that power is measured on the loudest pings alone: their errors count most.
         """
-        fine = _finest(case, model)._replace(bent=True)
+        fine = _single(case, model)._replace(bent=True)
 
         def step(rays: int, cautious: bool, of: tuple[int, ...] = ()) -> float:
             pair = (fine._replace(rays=number) for number in (rays, RAYS_STEP * rays))
@@ -354,13 +325,6 @@ class Segments(Choice):
         coarse = whole if little else fine._replace(misplaced=model.misplaced)
         return case.probe.difference(coarse, fine, nearer=NEARER * cautious, cautious=cautious)
 
-    def common(self, case: Case, model: Model) -> float:
-        """Share with which errors of planes and nodes are measured: the greatest of little error, at any tolerance."""
-        shares = self.settings(case, model)
-        return next(
-            (one for one in shares if self.error(case, model._replace(misplaced=one)) < BESIDE_SEGMENTS), shares[-1]
-        )
-
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
         if not self.applies(model):
@@ -370,7 +334,7 @@ class Segments(Choice):
         choice = f"segments divided to {share} of a bin's echo" if model != whole else "whole segments of the bed"
         reason = f"one angle of incidence{' for' if model == whole else ', which varies within'} each cell of the bed"
         if model.misplaced > float(self.offered[-1]):
-            reason += f"; on {case.pings(_finest(case, model))} {percent(error)} from the finest division"
+            reason += f"; on {case.pings(_single(case, model))} {percent(error)} from the finest division"
         cost = max(case.probe.seconds(model) - case.probe.seconds(whole), 0.0)
         yield self.entry(case, choice, reason, error=error, cost=cost, options=self.offered)
 
@@ -409,8 +373,7 @@ class Spacing(Number):
 
     def _error(self, case: Case, model: Model, *, cautious: bool, alone: bool) -> float:
         """Error of a stride alone, or the greatest of those up to it, weighted over a level bed."""
-        fine = _finest(case, model)
-        fine = fine._replace(planes=case.least_planes if fine.ways else case.few_planes)
+        fine = _single(case, model)
         if not cautious:
             return case.probe.difference(fine._replace(every=model.every), fine)
         coarse = [model.every] if alone else [2**n for n in range(1, int(math.log2(model.every)) + 1)]
@@ -418,59 +381,17 @@ class Spacing(Number):
         pairs = ((fine._replace(every=every), fine) for every in coarse)
         return weight * max((case.probe.difference(*pair, nearer=NEARER, cautious=True) for pair in pairs), default=0.0)
 
-    def common(self, case: Case, model: Model) -> int:
-        """Stride with which errors of planes are measured: the greatest of little error, at any tolerance."""
-
-        def errs_little(every: int) -> bool:
-            return self._error(case, model._replace(every=every), cautious=True, alone=False) < BESIDE_NODES
-
-        return max(takewhile(errs_little, reversed(self._fitting(case, model))), default=1)
-
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
         spacing = case.scene.seabed.spacing
         if model.every == 1:
             yield self.entry(case, "every node of the relief", f"{spacing:.3g} m apart", options=self.offered)
             return
-        measured = f"on {case.pings(_finest(case, model))} {percent(error)}"
+        measured = f"on {case.pings(_single(case, model))} {percent(error)}"
         reason = f"{model.every * spacing:.3g} m apart instead of {spacing:.3g} m; {measured}"
         saved = max(case.probe.seconds(model._replace(every=1)) - case.probe.seconds(model), 0.0)
         choice = f"detail between every {model.every} nodes of the relief"
         yield self.entry(case, choice, reason, modelled=False, error=error, cost=saved, options=self.offered)
-
-
-def measure_together(case: Case, model: Model, apart: float, cautious: bool = True) -> float:
-    """Error of a swept model as a whole, in which what its choices leave out may add up or cancel.
-
-    By few planes the model is compared with the finest one; the error of its own planes is added. A cautious error is
-    that of what the plan chooses: settings that are forced are those of the finest model.
-    """
-    planes, segments, spacing, fine = Planes(), Segments(), Spacing(), _finest(case, model)
-    if not planes.applies(model):
-        return apart
-
-    def is_free(choice: Choice) -> bool:
-        return not (cautious and choice.subject in case.forced)
-
-    of_planes = planes.confirmed(case, model, cautious) if is_free(planes) else 0.0
-    if model.bent and case.folds:
-        counted = planes.error(case, model) if is_free(planes) else 0.0
-        return math.sqrt(apart**2 + of_planes**2 - counted**2) if cautious else apart
-    few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
-    whole = model._replace(
-        planes=few,
-        across=fine.across,
-        rays=fine.rays,
-        misplaced=max(model.misplaced, fine.misplaced),
-        bent=model.bent and fine.bent,
-        ways=model.ways & fine.ways,
-    )
-    fine = fine._replace(planes=few, every=fine.every if is_free(spacing) else model.every)
-    parts: list[tuple[Choice, Model]] = [(choice, model) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
-    parts.append((segments, model._replace(misplaced=min(model.misplaced, fine.misplaced))))
-    parts.append((TargetPlanes(), model))
-    errors = [choice.error(case, one, cautious) for choice, one in parts if is_free(choice)]
-    return math.hypot(of_planes, case.probe.difference(whole, fine, cautious=cautious), *errors)
 
 
 def _single(case: Case, model: Model) -> Model:
@@ -498,11 +419,6 @@ def _swept(case: Case) -> Model:
         planes = case.least_planes if made.ways else 1
         case.swept = made._replace(planes=planes, rays=FEWEST_RAYS if made.bent else 0)
     return case.swept
-
-
-def _finest(case: Case, model: Model) -> Model:
-    """Model of the least planes beside which errors of rays and nodes are measured."""
-    return _single(case, model)._replace(misplaced=Segments().common(case, model))
 
 
 CHOICES: tuple[Choice, ...] = (Method(), Planes(), TargetPlanes(), Rays(), Step(), Fineness(), Segments(), Spacing())
