@@ -82,7 +82,7 @@ def test_a_job_prepares_all_scenes_stops_with_its_workers_and_writes_what_the_wi
     viewer.session.show(**look)
     job = viewer.jobs.write_record(viewer.session, tmp_path / "window.png")
     qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
-    write(knife, tmp_path / "library.png", DisplayOptions(**look), tolerance=0.03)
+    write(knife, tmp_path / "library.png", DisplayOptions(**look), tolerance=viewer.session.modelling.tolerance)
     with Image.open(tmp_path / "window.png") as one, Image.open(tmp_path / "library.png") as other:
         np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
 

@@ -144,7 +144,7 @@ def test_a_relief_has_the_spectrum_that_it_says_and_is_masked_added_up_and_check
 
 def test_finer_waves_and_wider_beams_of_any_kind_ask_for_more_planes():
     def planes(**changes: object) -> int:
-        return insonify.plan(scene_of(**{"seabed__relief": BAND} | changes)).settings["planes"]
+        return insonify.plan(scene_of(**{"seabed__relief": BAND} | changes), 0.005).settings["planes"]
 
     assert planes(seabed__relief=BAND | {"wavelength": 1.0}) > 2 * planes()
     narrow, wide = ({"kind": "parabola", "width": width} for width in (1, 8))

@@ -20,6 +20,7 @@ from insonify.scene import edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
 from insonify.tracers import rays, sweep
 from insonify.tracers.labels import PATHS, describe_contributors, empty_labels, trace_labels, turn_into_degrees
+from insonify.tracers.plane_counts import empty_squares
 from receptions import decibels
 from water import water_about
 
@@ -256,7 +257,7 @@ def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
     swept = trace_labels(arrays, poses, planes=64)
     table, shadows = empty_contributor_table(3, 400), empty_shadow_table(2, 400)
     found, described = empty_labels(2, 400, 2), describe_contributors(arrays)
-    out = LabelledPings(found, *np.empty((2, 2, 2, 400), np.float32), np.arange(2))
+    out = LabelledPings(found, *np.empty((2, 2, 2, 400), np.float32), empty_squares(0), np.arange(2))
     label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, described, table, shadows, out)
     turn_into_degrees(found.incidence)
     assert (swept.shadow[:, 0] > 0.5).sum() > 30

@@ -35,6 +35,7 @@ FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
 LEAST_TRUST = 0.5
+USUAL = 0.75  # share of the pings that are within the tolerance by the planes that all of them begin with
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
 
@@ -67,15 +68,11 @@ class PlaneLaw(NamedTuple):
         """Error of a number of planes."""
         return self.error * (FEW_PLANES / planes) ** self.power
 
-    def cheapest(self, counts: Sequence[int], tolerance: float) -> int:
-        """Return the number with which the measured pings take the fewest planes, those of a second trace included."""
-
-        def planes_of(count: int) -> float:
-            errors = [self.trust * each * (FEW_PLANES / count) ** self.power for each in self.estimated]
-            again = [max(count * (error / tolerance), count + 1) for error in errors if error > tolerance]
-            return count * len(errors) + sum(again)
-
-        return min(counts, key=planes_of)
+    def enough(self, counts: Sequence[int], tolerance: float) -> int:
+        """Return the fewest planes with which most measured pings are within a tolerance; the most if none are."""
+        usual = self.trust * float(np.quantile(self.estimated, USUAL))
+        within = (count for count in counts if usual * (FEW_PLANES / count) ** self.power <= tolerance)
+        return next(within, counts[-1])
 
 
 class Probe:

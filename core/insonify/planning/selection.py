@@ -162,7 +162,7 @@ def _choose(case: Case, choice: Choice, model: Model, most: float, tolerance: fl
         if values[0] == 1 and PLANES.single_error(case, model) <= most:
             return model._replace(planes=1)
         counts = [count for count in values if count > 1]
-        return model._replace(planes=PLANES.law(case, model).cheapest(counts, most))
+        return model._replace(planes=PLANES.law(case, model).enough(counts, most))
     *coarser, finest = (model._replace(**{choice.field: value}) for value in values)
     if choice.stage == GRID:  # coarser nodes make longer segments, which may take more work
         enough = takewhile(lambda one: choice.error(case, one) <= most, reversed(coarser))
