@@ -4,16 +4,18 @@ Targets of every kind lie along, across and oblique to the track, near and far, 
 on level and rough beds. The reference has 256 planes, and 16 across each target.
 """
 
+import contextlib
 import itertools
 
 import numpy as np
 import pytest
 
-from insonify.scene import edit, load_scene
+from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records
 from insonify.tow.poses import take_poses
 from insonify.tracers import sweep
+from random_scenes import short_scene, wide_scene
 
 DEFAULT = load_scene("default")
 ROUGH = {"kind": "fractal", "beta": 1.4, "period": 51.2, "rms": 0.05, "peaks": [[8.0, 4.0]]}
@@ -47,19 +49,20 @@ def lay_out(number):
     )
 
 
-def judge(scene, tolerance):
+def judge(scene, tolerance, pings=PINGS):
     """Errors of the whole record and of each ping, found and estimated."""
     simulation = prepare(scene, tolerance=tolerance)
-    poses = simulation.poses(PINGS)
+    poses = simulation.poses(pings)
     traced = simulation.trace_pings(poses)
-    right = sweep.trace(simulation.reduced, poses, planes=256, across=16)
+    rays = {"rays": simulation.plan.model.rays} if simulation.plan.model.bent else {}
+    right = sweep.trace(simulation.reduced, poses, planes=256, across=16, **rays)
 
     def found(pings):
         errors = compare_records(simulation.arrays, take_poses(poses, pings), traced.echoes[pings], right[pings])
         return max(errors.beyond, errors.all_bins)
 
     estimated = simulation.errors(traced.squares.sum(axis=1))
-    each = np.array([found(slice(ping, ping + 1)) for ping in PINGS])
+    each = np.array([found(slice(k, k + 1)) for k in range(pings.size)])
     return found(slice(None)), each, estimated
 
 
@@ -87,3 +90,33 @@ def test_what_hangs_in_the_water_column_keeps_to_the_tolerance_by_its_own_norm()
     missed, whole = (np.linalg.norm(each[:, :, column].astype(float)) for each in (record - right, right))
     assert whole > 0.0
     assert missed < 0.03 * whole
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize("tolerance", [0.03, 0.01, 0.003])
+@pytest.mark.parametrize(("draw", "seed"), [(wide_scene, 830_000), (short_scene, 930_000)], ids=["wide", "short"])
+def test_pings_of_random_scenes(draw, seed, tolerance, say, tmp_path):
+    records, found, estimated = [], [], []
+    for number in range(seed, seed + 100):
+        scene, *_ = draw(number, tmp_path)
+        if not scene.sonar.beam.has_width:
+            continue
+        pings = np.unique(np.linspace(0, scene.track.pings - 1, 32).astype(np.int64))
+        with contextlib.suppress(SceneError):  # a target that holds the sonar
+            record, *of_pings = judge(scene, tolerance, pings)
+            records.append(record)
+            found.append(of_pings[0])
+            estimated.append(of_pings[1])
+    records, found, estimated = np.array(records), np.concatenate(found), np.concatenate(estimated)
+    ratio = (found / np.maximum(estimated, 1e-9))[found > 2e-4]
+    figures = {
+        "records kept": records <= tolerance,
+        "records within 1.5 times": records <= 1.5 * tolerance,
+        "pings kept": found <= tolerance,
+        "pings within 1.5 times": found <= 1.5 * tolerance,
+        "found within 1.25 times the estimate": ratio <= 1.25,
+        "estimated within 3 times what is found": ratio >= 1.0 / 3.0,
+    }
+    shares = ", ".join(f"{name} {100.0 * each.mean():.1f} %" for name, each in figures.items())
+    say(f"{draw.__name__} {100.0 * tolerance:g} %, {records.size} records, {found.size} pings: {shares}")
+    assert figures["records within 1.5 times"].mean() >= 0.9

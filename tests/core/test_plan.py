@@ -268,8 +268,13 @@ def test_what_is_forced_is_taken_and_marked_but_for_what_the_scene_leaves_no_cho
 )
 def test_for_what_is_forced_nothing_else_is_finer(scene, forced):
     """Though its error, which the plan reports, exceeds the tolerance."""
-    usual, made = plan(load_scene(scene)), plan(load_scene(scene), forced=forced)
+    declared = load_scene(scene)
+    made = plan(declared, forced=forced)
     assert made.error > 0.03
+    if "bending" in forced:  # planes have the errors of water in which sound goes straight
+        speed = pack(declared).arrays.water.reference
+        declared = edit(declared, {"water": {"kind": "uniform", "sound_speed": speed}})
+    usual = plan(declared)
     assert made.planes == (1 if "planes" in forced else usual.planes)
     assert made.model.misplaced == usual.model.misplaced
     assert made.model.every == int(forced.get("spacing", usual.model.every))
