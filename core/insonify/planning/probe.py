@@ -26,8 +26,7 @@ from insonify.tracers.sweep import trace_measured
 FEW = 12  # pings at least on which models are compared
 LITTLE = 1e6  # work of some milliseconds, which more pings than these may take together
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
-OF_A_THREAD = 4  # pings worth handing to a thread
-RAYS_OF_A_THREAD = 4000  # rays per side of a single ping that is worth handing to a thread
+WORK_OF_A_THREAD = 1e5  # of the pings of a call, beside which what the call itself takes is little
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
 MEASURED = 16  # pings on which the errors of planes are measured
@@ -219,7 +218,7 @@ class Probe:
         def block(first: int, last: int) -> Singles:
             return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
 
-        parts = in_parallel(block, pings.size, least=1 if model.rays >= RAYS_OF_A_THREAD else OF_A_THREAD)
+        parts = in_parallel(block, pings.size, least=max(1, int(WORK_OF_A_THREAD / self.work(model))))
         made = np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
         if not of:
             self._traced[model] = made
