@@ -90,22 +90,22 @@ class Simulation(PackedScene):
         """
         return self.trace_record(pings)[0]
 
-    def trace_record(self, pings: Integers) -> tuple[Singles, Singles]:
-        """Trace and receive pings as `intensity` does, and estimate their errors of both sides together, (n,)."""
+    def record(self, pings: Integers, poses: Poses) -> Singles:
+        """Trace and receive pings at given poses."""
+        return self.trace_record(pings, poses)[0]
+
+    def trace_record(self, pings: Integers, poses: Poses | None = None) -> tuple[Singles, Singles]:
+        """Trace and receive pings, and estimate their errors of both sides together, (n,); by default on the track."""
         pings = np.ascontiguousarray(pings, dtype=np.int64)
-        poses = self.poses(pings)
+        poses = self.poses(pings) if poses is None else poses
         refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         traced = self.trace_pings(poses)
-        return self.record(pings, poses, traced=traced), self.errors(traced.squares.sum(axis=1))
+        return self.receive(pings, poses, traced), self.errors(traced.squares.sum(axis=1))
 
-    def record(
-        self, pings: Integers, poses: Poses, out: Singles | None = None, traced: TracedPings | None = None
-    ) -> Singles:
-        """Trace, unless that is done, and receive pings at given poses, into ``out`` if it is given."""
-        refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
+    def receive(self, pings: Integers, poses: Poses, traced: TracedPings, out: Singles | None = None) -> Singles:
+        """Receive pings that are traced at given poses, into ``out`` if it is given."""
         with limited_threads(self.threads):
             shapes, divided = self.reception.divided_by_shape, None
-            traced = self.trace_pings(poses) if traced is None else traced
             if shapes is not None:
                 divided = self._trace_by(traced.planes, poses, self.reduced._replace(reflectivity=shapes))
             return record_echoes(self.reception, traced.echoes, pings, divided, out)
@@ -292,6 +292,7 @@ class Simulation(PackedScene):
         self, pings: Integers, poses: Poses, truth: Truth, out: Singles | None = None, *, bin_error: bool = False
     ) -> Columns:
         """Intensity of some pings and its estimated errors, and their labels if requested."""
+        refuse_sonar_in_bed(self.scene, self.ground, pings, poses)
         columns, by_labelling = Columns(), bool(truth) and self._traces_by_labelling and not bin_error
         if truth:
             alone = truth == "targets"
@@ -302,7 +303,7 @@ class Simulation(PackedScene):
         if bin_error:
             columns["bin_error"] = self.bin_errors(traced)  # before the echoes become the record
         columns |= {"error": self.errors(traced.squares), "ping_error": self.errors(traced.squares.sum(axis=1))}
-        return {"intensity": self.record(pings, poses, out, traced), "planes": traced.planes, **columns}
+        return {"intensity": self.receive(pings, poses, traced, out), "planes": traced.planes, **columns}
 
     @property
     def _traces_by_labelling(self) -> bool:

@@ -146,14 +146,7 @@ def trace(
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
     if folded.any():
-        # Places are reached by several rays or by none: in sheets of rays where those serve.
-        some = take_poses(poses, np.flatnonzero(folded))
-        if ray_sheets.can_trace(arrays):
-            sheets = max(round(math.sqrt(rays) / RAYS_A_SHEET), 1) if arrays.half_width > 0.0 else 1
-            count = max(rays // sheets, sheets)
-            out[folded] = ray_sheets.trace(arrays, some, sheets=sheets, rays=count, threads=threads)
-        else:
-            out[folded] = trace_rays(arrays, some, rays=rays, threads=threads)
+        out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
     fans = lay_planes_of_images(arrays, take_poses(poses, clear), planes, across)
 
@@ -202,6 +195,14 @@ def trace(
     # Pings that meet targets have planes of their own, and are shared among threads one by one.
     in_parallel(block, len(fans), threads, least=1)
     return out
+
+
+def _trace_folded(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> Singles:
+    """Trace pings from which places are reached by several rays or by none: by sheets of rays where those serve."""
+    if not ray_sheets.can_trace(arrays):
+        return trace_rays(arrays, poses, rays=rays, threads=threads)
+    sheets = max(round(math.sqrt(rays) / RAYS_A_SHEET), 1) if arrays.half_width > 0.0 else 1
+    return ray_sheets.trace(arrays, poses, sheets=sheets, rays=max(rays // sheets, sheets), threads=threads)
 
 
 def pings_a_thread(beam: AzimuthFan) -> int:
