@@ -14,10 +14,10 @@ from insonify.compiler.jit import kernel
 from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.types import LIGHT, Poses, RangeDecay, SceneArrays
+from insonify.kernels.sweep.plane_errors import ERROR_ALTITUDES as ERROR_ALTITUDES
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 from insonify.scene.seabed.materials.sediments import scattering_strength
 
-ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 
 

@@ -19,7 +19,7 @@ from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.solids import highest_place
 
-ERROR_ALTITUDES = 1.4  # altitudes of the sonar beyond which a tolerance counts
+ERROR_ALTITUDES = 1.4  # altitudes of the sonar above the mean bed
 REGIONS = 3
 COLUMN, NEAR, BEYOND = range(REGIONS)  # bins before the first return, from there to `ERROR_ALTITUDES`, and beyond
 NODES = 32  # places along the ground, and level sound, at which a plane is weighed

@@ -302,7 +302,6 @@ class Doublings(Number):
     """Fineness of a tracer in doublings, the error of each measured from the next."""
 
     stage = FINENESS
-    nearer: ClassVar[float] = 0.0  # weight of the error over all bins, from the first return, in the choice
 
     def leads(self, model: Model) -> bool:
         """Whether the field is the main one of those that make a model's tracer finer."""
@@ -329,12 +328,14 @@ class Doublings(Number):
         if not self.leads(model) or number == 0:
             return 0.0
         rung = self.rung(case, model)
-        how: dict[str, Any] = {"nearer": self.nearer * cautious, "cautious": cautious}
         pair, finer = self.pair(case, model, rung), max(number / rung, 1.0)
         if rung == self.first(model):
-            return float(case.probe.difference(*pair, **how) * finer**-0.5)
+            return float(case.probe.difference(*pair, cautious=cautious) * finer**-0.5)
         coarser = self.pair(case, model, rung // 2)
-        error, before = case.probe.difference(*pair, before=coarser[0], **how), case.probe.difference(*coarser, **how)
+        error, before = (
+            case.probe.difference(*pair, before=coarser[0], cautious=cautious),
+            case.probe.difference(*coarser, cautious=cautious),
+        )
         fall = math.log2(max(before / error, 1.0)) if error > 0.0 else 0.0
         return float(error * finer ** -min(max(fall, 0.5), 1.0))
 
