@@ -30,7 +30,8 @@ METRES: Units = (
     ("m|met(er|re)s?|mtrs?", 1.0, 0.0),
     ("cm|centimet(er|re)s?", 0.01, 0.0),
     ("km|kilomet(er|re)s?", 1000.0, 0.0),
-    ("(us|int|ussurvey)?(ft|f(oo|ee)t)(us)?", 0.3048, 0.0),
+    ("us(survey)?(ft|f(oo|ee)t)|(ft|f(oo|ee)t)us", 1200.0 / 3937.0, 0.0),
+    ("(int)?(ft|f(oo|ee)t)", 0.3048, 0.0),
     ("fathoms?|fth?ms?|fms?|fths?", 1.8288, 0.0),
     ("yds?|yards?", 0.9144, 0.0),
 )
