@@ -1,4 +1,4 @@
-"""Variables of a Dataset whose values are computed or read from a file when they are asked for."""
+"""Variables of a Dataset with values that are computed, or read from a file, on first use."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -37,6 +37,6 @@ class _Deferred(BackendArray):
 
 
 def defer(dims: Sequence[str], shape: tuple[int, ...], dtype: str, read: Read, attributes: Any) -> xr.Variable:
-    """Return a variable whose values are read when they are asked for, along the dimension ``ping_time``."""
+    """Return a variable along ``ping_time`` that reads its values on demand."""
     array = _Deferred(shape, dtype, list(dims).index("ping_time"), read)
     return xr.Variable(dims, indexing.LazilyIndexedArray(array), attributes, {DEFERRED: True}, fastpath=True)

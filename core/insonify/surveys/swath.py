@@ -109,7 +109,7 @@ def _rectangle(nadir: Floats, ends: Floats) -> Floats:
 
 
 class StoredSwaths(Sequence[RecordSwath]):
-    """Swaths of records on one map, read when they are asked for; only the last record stays in memory.
+    """Swaths of records on one map, read on demand; only the last record stays in memory.
 
     The map is as given by ``crs``, or else the UTM zone of the first record's first ping.
     """

@@ -22,7 +22,7 @@ class ErrorPanel(Panel):
     name = "error"
     title = "Error"
     place = Place.STATUS
-    rank = 110  # at the right of the readout, whose length changes
+    rank = 110  # at the right of the readout, because the readout changes its length
 
     def __init__(self, workbench: Workbench) -> None:
         self._session = workbench.session

@@ -26,7 +26,7 @@ BLOCK = 512  # pings whose overview is computed at once
 
 @dataclass(frozen=True, eq=False)
 class StoredAmplitudes:
-    """Relative amplitudes of a long recording, which are read from its file when they are asked for."""
+    """Relative amplitudes of a long recording, which are read from its file when they are needed for."""
 
     shape: tuple[int, int, int]  # pings, sides and bins
     relate: Callable[[Any], Singles]  # pings to their amplitudes
@@ -148,7 +148,7 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
 def _level(recording: Recording, mark: Mark) -> str:
     try:
         level = float(recording.amplitude[mark.ping : mark.ping + 1][0, mark.side, mark.bin])
-    except SceneError:  # of a long recording whose file has been moved
+    except SceneError:  # the file of a long recording has been moved
         return "its file is gone"
     return f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo"
 

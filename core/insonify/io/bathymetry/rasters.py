@@ -191,7 +191,7 @@ def _stretches(raster: Any) -> bool:
 
 
 def _horizontal(crs: Any) -> str:
-    """Name the reference system of a map without that of its heights."""
+    """Name the horizontal reference system of a map."""
     from pyproj import CRS  # lazy, as above
 
     if len(_axes(crs)) < 3:

@@ -368,7 +368,7 @@ def assemble(
     path: Path, formats: Iterable[SideFormat], sides: SideColumns, track: RecordedTrack, sound_speed: float
 ) -> Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
-    # Echoes stay in the file until they are asked for, unless they are few.
+    # Echoes stay in the file until they are needed, unless they are few.
     status = path.stat()
     echoes = StoredEchoes(path.absolute(), (status.st_size, status.st_mtime_ns), list(formats), sides)
     present = sides.format != ABSENT
