@@ -102,10 +102,17 @@ def trace_labels(
         if places.size > 0:
             share_blocks(take_poses(poses, places), sweep, threads, pings_a_thread(beams[0]))
     turn_into_degrees(labels.incidence)
+    return _label_beside(labels, energy, arrays.range_factor, crosstalk, volumes)
+
+
+def _label_beside(
+    labels: RecordLabels, energy: Singles, range_factor: Floats, crosstalk: float, volumes: Singles | None
+) -> RecordLabels:
+    """Label bins in which crosstalk or a volume is louder than what is swept."""
     if crosstalk > 0.0:
         labels = _label_crosstalk(labels, energy, crosstalk)
     if volumes is not None:
-        greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+        greatest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (range_factor / FIXED_POINT)
         _label_volumes(labels, volumes, greatest, crosstalk)
     return labels
 
