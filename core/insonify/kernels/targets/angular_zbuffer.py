@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_on_demand, kernel_separate
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import SPHERE, Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
@@ -233,7 +233,7 @@ def _cut_solids(solids, plane, reach, height, zbuffer):
     return primitives
 
 
-@kernel_on_demand(INTEGER)
+@kernel_separate(INTEGER)
 def _cut_mesh(mesh, first_body, plane, bent, reach, zbuffer, primitives):
     """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
     # Where sound is straight, triangles of closed bodies that face away are left out: others lie before them.

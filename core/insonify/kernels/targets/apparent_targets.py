@@ -9,7 +9,7 @@ apparent position. Derived in docs/theory/refraction.md.
 import math
 from typing import NamedTuple
 
-from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_on_demand
+from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_separate
 from insonify.kernels.common.types import LIGHT, SPHERE
 from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, section_solid
 from insonify.kernels.refraction.apparent_positions import look_up_position
@@ -89,7 +89,7 @@ def plane_from_source(source, plane):
     return HalfPlane(x, y, plane.z + source.source_z, plane.ex, plane.ey)
 
 
-@kernel_on_demand(TWO_INTEGERS)
+@kernel_separate(TWO_INTEGERS)
 def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies, primitives):
     """Put the primitives of a z-buffer to their apparent positions, in place, and drop those seen edge-on."""
     loud = arrays.law != LIGHT
