@@ -2,10 +2,9 @@
 
 Each ray that lands gives one path. For each other elevation at which a probe ray comes down near there, Newton's steps
 find the ray to the same spot, which is then traced to see whether anything obstructs it. Of two paths A and B
-with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half:
-out by A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
-knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range,
-as in `specular_paths`.
+with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2. The landings of each path bring one half of it:
+out by A, on which dΩ lands as on every path, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
+knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B).
 
 Theory: docs/theory/refraction.md.
 """
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import bistatic_strength
-from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.caustics import follow_to_place
 from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_bundle, empty_hits
 from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
@@ -184,12 +182,9 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
     value *= passed * weight
     growth = arrivals.tube[k] * _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
     growth *= 0.5 * arrays.water.reference / arrivals.speed[k]
-    if law == LIGHT:
-        value *= growth / arrays.bin_length
-    else:
-        value *= distance**4 / (cosine * back.tube[m] * back.spread[m]) * arrivals.focus[k] * back.focus[m]
-        if not fan:
-            value /= arrivals.spread[k]
+    value *= distance**4 / (cosine * back.tube[m] * back.spread[m]) * arrivals.focus[k] * back.focus[m]
+    if not fan:
+        value /= arrivals.spread[k]
     return b, value, growth
 
 

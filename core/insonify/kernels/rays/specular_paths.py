@@ -12,9 +12,7 @@ w / (a cos α) per area across X, and two echoes of it come back:
 
 The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that the two enter as
 w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic, where a vanishes, it counts as no less than a share
-of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
-|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, uses the tube's width in elevation alone. A surface scatters
-to the water alone.
+of s². A knife, 1 m wide at all ranges, uses the tube's width in elevation alone. A surface scatters to the water alone.
 
 Theory: docs/theory/scattering.md.
 """
@@ -118,9 +116,7 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
     value = bistatic_strength(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], arrays.law)
     value *= path.share * path.share * weight
     up, squared = path.up, path.length * path.length
-    if arrays.law == LIGHT:
-        value *= abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / arrays.bin_length
-    elif fan:
+    if fan:
         value *= squared * squared / (cosine * max(tube_area(up, path.across) * cosine, CAUSTIC * squared))
     else:
         width = math.sqrt(up.x * up.x + up.y * up.y + up.z * up.z)
