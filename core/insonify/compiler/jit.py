@@ -86,7 +86,7 @@ def inlined_ieee(function: Function) -> Function:
 
 def inlined_before_typing(function: Function) -> Function:
     """Write a small function out in each of its callers before types are inferred."""
-    # The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
+    # The per-cell loops of rays run faster so; types are inferred in every caller again, which takes longer to compile.
     return njit(**COMMON, fastmath=FAST, inline="always")(function)
 
 
