@@ -3,8 +3,8 @@
 Each ray that lands gives one path. For each other elevation at which a probe ray comes down near there, Newton's steps
 find the ray to the same spot, which is then traced to see whether anything obstructs it. Of two paths A and B
 with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2. The landings of each path bring one half of it:
-out by A, on which dΩ lands as on every path, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
-knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B).
+out by A, on which dΩ lands as on every path, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B),
+and for a knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B).
 
 Theory: docs/theory/refraction.md.
 """

@@ -1,7 +1,7 @@
 """Paths by specular reflection and refraction: the next surface of a path, and the split of its energy there.
 
-At every hit the energy splits: R0² is reflected as by a mirror, 1 − R0² refracts into a closed body by Snell's law with the
-body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
+At every hit the energy splits: R0² is mirrored, 1 − R0² refracts into closed bodies by Snell's law with the body's
+speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
 mirrors, and the side of a mesh that faces inwards from the water turns a ray but lets nothing through.
 
 The width of the tube about a path follows from two ray differentials (Igehy 1999, "Tracing ray differentials"): how its

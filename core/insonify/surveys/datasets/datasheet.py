@@ -24,7 +24,7 @@ none is a recording.
 
 ## Composition
 
-{images} images of {scenes} scenes. An image shows a part of a record of one side; each scene is drawn separately and lies
+{images} images of {scenes} scenes. An image shows a part of a record of one side; each scene is drawn anew and lies
 in one split alone.
 
 {table}

@@ -46,12 +46,10 @@ def _count_triangles(corners: Floats, origin: Floats, direction: Floats) -> int:
     return int(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 0.0)).sum())
 
 
-@TARGETS.case(
-    "Edges that two walls share",
+@TARGETS.case("Edges that two walls share",
     "Rounding places a ray through an edge on neither of its two triangles, or on both.",
     "rays that do not meet exactly one wall", "%", "Tests each triangle independently in float32.", 5.0,
-    "Decides each edge once for both its triangles.", 0.0,
-)  # fmt: skip
+    "Decides each edge once for both its triangles.", 0.0)  # fmt: skip
 def _walls() -> Measured:
     rng = np.random.default_rng(3)
     turned = {"kind": "box", "position": [0.0, 0.0, -10.0], "size": [3.0, 2.0, 1.5], "heading": 31.0, "pitch": 17.0,
@@ -102,13 +100,11 @@ def _is_right(name: str, record: Singles, bare: Singles) -> bool:
     return np.array_equal(port, bare[0]) and (name != "on the other side" or not np.array_equal(starboard, bare[1]))
 
 
-@TARGETS.case(
-    "Targets in unusual places",
+@TARGETS.case("Targets in unusual places",
     "A sphere around the sonar covers no interval of angles; one behind it, below the bed or out of range covers "
     "none either.",
     "places with a wrong record", "of 5", "Hides the bed from H / sin(φ + α) to H / sin(φ − α).", 2.0,
-    "Traces visible targets only, and reports a sonar inside a target as one sentence.", 0.0,
-)  # fmt: skip
+    "Traces visible targets only, and reports a sonar inside a target as one sentence.", 0.0)  # fmt: skip
 def _places() -> Measured:
     plain, own, rows = 0, 0, []
     bare = simulate(make_level_scene()).intensity.values[:, 0]
@@ -159,12 +155,10 @@ def _echo_by_sweep(exponent: float) -> float:
     return float(sweep_port(bare, make_pose(0.0, 0.0, 10.0)).sum())
 
 
-@TARGETS.case(
-    "A lobe narrower than a facet",
+@TARGETS.case("A lobe narrower than a facet",
     "Along a facet of a round target the incidence changes by more than the width of a narrow specular lobe.",
     "error of the energy, exponents from 10 to 1000", "%", "Takes the incidence in the middle of each facet.", 5.0,
-    "Averages the lobe over as many parts of a facet as its width requires.", 0.1,
-)  # fmt: skip
+    "Averages the lobe over as many parts of a facet as its width requires.", 0.1)  # fmt: skip
 def _glints() -> Measured:
     exponents = (10.0, 25.0, 100.0, 300.0, 1000.0)
     exact, plain, own = (
@@ -181,13 +175,12 @@ FARTHEST = 3  # index of the farthest ball of the scene
 ALIKE = {"target_planes": "0"}  # no planes for targets alone
 
 
-@BEAMS.case(
-    "Too few planes across a fan",
+@BEAMS.case("Too few planes across a fan",
     "A target narrower than the distance between two planes returns an echo only where a plane meets it.",
     "variation of a small sphere's echo within the beam", "%",
     "Uses as few planes as a tolerance of 1 allows, alike whatever lies in the beam.", 100.0,
-    "Lays planes across the sphere as close as its size requires, others by the plan.", 30.0, scene="breaks-comb",
-)  # fmt: skip
+    "Lays planes across the sphere as close as its size requires, others by the plan.", 30.0,
+    scene="breaks-comb")  # fmt: skip
 def _few_planes() -> Measured:
     scene = load_scene("breaks-comb")
     ball, beam, sonar = scene.targets[FARTHEST], scene.sonar.beam, scene.sonar
@@ -216,13 +209,11 @@ def _contrast(scene: Scene) -> Floats:
     return np.asarray(record / record.mean(axis=0) - 1.0)
 
 
-@BEAMS.case(
-    "Pings that beat with ripples",
+@BEAMS.case("Pings that beat with ripples",
     "A knife-edge beam samples one line per ping; ripples about as long as the distance between lines alias to "
     "bands many times as long.",
     "contrast along the track of bands longer than four ripples", "%", "Samples lines one ripple length apart.", 50.0,
-    "Uses a fan wider than the distance between two pings.", 20.0, scene="breaks-beats",
-)  # fmt: skip
+    "Uses a fan wider than the distance between two pings.", 20.0, scene="breaks-beats")  # fmt: skip
 def _beats() -> Measured:
     scene = load_scene("breaks-beats")
     relief, apart = scene.seabed.relief, scene.track.speed / scene.sonar.ping_rate
@@ -244,11 +235,9 @@ def _beats() -> Measured:
     return Measured.by(contrast, knife, wide, picture)
 
 
-@BEAMS.case(
-    "Pings too far apart", "The sonar moves by more than its beam width between two pings.",
+@BEAMS.case("Pings too far apart", "The sonar moves by more than its beam width between two pings.",
     "targets missed without a message", "of 5", "Simulates the scene without a check.", 3.0,
-    "States in the plan up to which range a narrow target can be missed.", 0.0,
-)  # fmt: skip
+    "States in the plan up to which range a narrow target can be missed.", 0.0)  # fmt: skip
 def _sparse() -> Measured:
     balls = [{"kind": "sphere", "position": [1.0 + 2.0 * k, 15.0], "radius": 0.1} for k in range(5)]
     fan = {"sonar.beam": {"kind": "fan", "width": 0.5}, "sonar.ping_rate": 1.0, "track.pings": 6}
@@ -264,8 +253,7 @@ def _sparse() -> Measured:
 @BEAMS.case(
     "A cone taken for a wedge", "A beam is a cone about the track: at slant range r it covers r θ of the bed, not x θ.",
     "error of the along-track width", "%", "Takes ground range times the beam's angle.", 30.0,
-    "Takes all azimuths with cos θ · |sin φ| within the beam.", 0.01,
-)  # fmt: skip
+    "Takes all azimuths with cos θ · |sin φ| within the beam.", 0.01)  # fmt: skip
 def _wedge() -> Measured:
     arrays = level_arrays({"sonar.beam": {"kind": "fan", "width": 2.5}})
     r = np.array([10.2, 10.5, 11.0, 12.0, 14.0, 18.0, 25.0, 40.0])
@@ -280,12 +268,11 @@ def _wedge() -> Measured:
 ALTITUDE, SQUINT = 10.0, 15.0  # m above the bed, °
 
 
-@BEAMS.case(
-    "Light through a beam that squints",
+@BEAMS.case("Light through a beam that squints",
     "Law light averages over azimuths; in a squinting beam, equal steps of the sine are unequal steps of azimuth.",
     f"error of the light of a level bed, squint of {SQUINT:g}°", "%",
-    "Divides by the integral of the response over sines.", 5.0, "Divides by its integral over azimuths.", 1.0,
-)  # fmt: skip
+    "Divides by the integral of the response over sines.", 5.0,
+    "Divides by its integral over azimuths.", 1.0)  # fmt: skip
 def _light() -> Measured:
     beam = {"kind": "gaussian", "width": 3.0, "squint": SQUINT}
     arrays = level_arrays({"sonar.beam": beam, "sonar.law": "light"})
@@ -306,13 +293,11 @@ def _light() -> Measured:
 LENGTH = 1.0  # m, of an array
 
 
-@BEAMS.case(
-    "The near field of a line array",
+@BEAMS.case("The near field of a line array",
     "Nearer than the square of its length over the wavelength, the beam of an array is as wide as the array itself.",
     f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m", "%",
     "Takes the pattern of the far field.", 50.0,
-    "Tabulates the pattern range by range, by Fresnel's approximation.", 2.0,
-)  # fmt: skip
+    "Tabulates the pattern range by range, by Fresnel's approximation.", 2.0)  # fmt: skip
 def _near_field() -> Measured:
     beam = {"kind": "array", "length": LENGTH}
     scene = make_level_scene({"sonar.beam": beam, "sonar.range": 100.0, "sonar.ping_rate": 5.0})
@@ -354,13 +339,11 @@ def _pair_range(x: Floats | float) -> Floats:
 END, LAST, WIND = 40.0, 0.5, 8.0  # m, end of a record, and how much of it counts; m/s
 
 
-@SEA_SURFACE.case(
-    "Waves at a record's end",
+@SEA_SURFACE.case("Waves at a record's end",
     "A wave trough shortens the path of an echo that would arrive after the end of the record over a calm sea.",
     f"echo missing from the last {LAST:g} m of the record", "%",
     "Follows the bed up to the end of the record over a calm sea.", 5.0,
-    "Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1,
-)  # fmt: skip
+    "Follows it up to the last echo that the lowest facet of the sea returns in time.", 0.1)  # fmt: skip
 def _waves() -> Measured:
     def over(heights: Floats, end: float) -> SceneArrays:
         return arrays_over(heights, 0.1, {"sonar.range": end, "sonar.bins": round(20.0 * end)}, x0=-0.2)
@@ -379,12 +362,10 @@ def _waves() -> Measured:
 PAIR_WIDTH, PAIR_SQUINT = 4.0, 10.0  # °
 
 
-@SEA_SURFACE.case(
-    "Two legs of a squinting beam",
+@SEA_SURFACE.case("Two legs of a squinting beam",
     "On a path out by the surface and straight back, a squinting beam covers different azimuths on its two legs.",
     "error of the energy", "%", "Takes the root of the product of the azimuths of each leg alone.", 100.0,
-    "Integrates the root of both responses over their common azimuths.", 0.05,
-)  # fmt: skip
+    "Integrates the root of both responses over their common azimuths.", 0.05)  # fmt: skip
 def _squint() -> Measured:
     beam = {"kind": "gaussian", "width": PAIR_WIDTH, "squint": PAIR_SQUINT, "two_way": True}
     arrays = level_arrays({"sonar.beam": beam, "sonar.range": 60.0, "sonar.bins": 600})
@@ -435,13 +416,12 @@ def _radiances(facets: int) -> tuple[Floats, Floats, float]:
     return r, radiance, float((radiance * np.abs(np.diff(legs(borders)[0]))).sum())
 
 
-@SEA_SURFACE.case(
-    "Light at a body's edge",
+@SEA_SURFACE.case("Light at a body's edge",
     "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
     "error of the energy of a ball", "%",
     "Takes the radiance in the middle of each of 24 facets, and the whole facet if that is visible.", 0.5,
-    "Cuts facets at the edge of what an image illuminates, and takes the mean radiance of their ends.", 0.05,
-)  # fmt: skip
+    "Cuts facets at the edge of what an image illuminates, and takes the mean radiance of their ends.",
+    0.05)  # fmt: skip
 def _light_at_an_edge() -> Measured:
     changes = {"sonar.range": 60.0, "sonar.bins": 1200}
     arrays = _alone((CENTRE[0], CENTRE[1] - DEPTH), BALL, [1.0, 0.0, 1.0], **changes)._replace(law=LIGHT)

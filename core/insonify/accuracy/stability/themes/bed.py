@@ -29,11 +29,9 @@ THE_BED = StabilityTheme("The bed", 5)
 HEIGHT = 5.0  # m, height of the sonar
 
 
-@THE_BED.case(
-    "Steps too long", "A ray that is sampled every few metres steps over narrower crests.",
+@THE_BED.case("Steps too long", "A ray that is sampled every few metres steps over narrower crests.",
     "energy in shadows over the energy of a level bed there", "%", "Marches in steps of 2 m.", 5.0,
-    "Walks every segment of the bed once under a running horizon.", 0.0, scene="breaks-steps",
-)  # fmt: skip
+    "Walks every segment of the bed once under a running horizon.", 0.0, scene="breaks-steps")  # fmt: skip
 def _steps() -> Measured:
     scene = load_scene("breaks-steps")
     arrays, pose = first_ping(scene)
@@ -54,12 +52,10 @@ def _lost_by_division(x: Floats) -> float:
         return percent(~np.isfinite(np.cumsum(-slope * x / np.hypot(x, slope * x))))
 
 
-@THE_BED.case(
-    "A towfish over a knot",
+@THE_BED.case("A towfish over a knot",
     "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
     "bins or knots without a number", "%", "Divides by ground range, starting at the towfish.", 50.0,
-    "Starts beneath the towfish without dividing by ground range.", 0.0,
-)  # fmt: skip
+    "Starts beneath the towfish without dividing by ground range.", 0.0)  # fmt: skip
 def _knot() -> Measured:
     heights = np.zeros((64, 64))
     heights[20:24, 20:24] = np.nan
@@ -100,11 +96,9 @@ def _trace_points(arrays: SceneArrays, pose: Poses, spacing: float) -> Singles:
     return out * arrays.range_factor.astype(np.float32)
 
 
-@THE_BED.case(
-    "A wrong order of convergence", "Halving the step of a second-order method should quarter its error.",
+@THE_BED.case("A wrong order of convergence", "Halving the step of a second-order method should quarter its error.",
     "deviation of the observed order from 2", "%", "Treats every sample of the bed as a point scatterer.", 20.0,
-    "Spreads the energy of each segment over the bins that it spans.", 10.0,
-)  # fmt: skip
+    "Spreads the energy of each segment over the bins that it spans.", 10.0)  # fmt: skip
 def _order() -> Measured:
     spacings, pose, finest, errors = np.array([0.8, 0.4, 0.2]), make_pose(0.0, 12.8, 8.0), _smooth_waves(0.025), []
     exact = sweep.trace(finest, pose)
@@ -132,12 +126,10 @@ ROUGH = {
 }
 
 
-@ROUGH_BEDS.case(
-    "A lobe narrower than a cell's twist",
+@ROUGH_BEDS.case("A lobe narrower than a cell's twist",
     "Within one cell of a rough bed the surface turns by more than the width of a specular lobe.",
     "error of the record against exact rays", "%", "Takes the incidence at the middle of each cell's segment.", 5.0,
-    "Divides a segment until lobe, slope and density change little within each part.", 1.0,
-)  # fmt: skip
+    "Divides a segment until lobe, slope and density change little within each part.", 1.0)  # fmt: skip
 def _lobe() -> Measured:
     arrays, pose = first_ping(make_level_scene(ROUGH))
     whole, divided = (  # share of a bin's echo that a segment may misplace
@@ -173,12 +165,10 @@ def _filter_noise(shape: tuple[int, int], beta: float, peak: tuple[float, float]
 BAD: tuple[dict[str, Any], ...] = ({"peaks": [[200.0, 0.0]]}, {"peaks": [[0.0, 128.0]]}, {"beta": 5.0}, {"beta": -1.0})
 
 
-@GENERATED_RELIEFS.case(
-    "Peaks and exponents out of bounds",
+@GENERATED_RELIEFS.case("Peaks and exponents out of bounds",
     "A peak at or above the Nyquist frequency aliases; an exponent below 0, or of 5 and more, gives no relief.",
     "such beds made without an error", "of 4", "Filters by array indices without a check.", 3.0,
-    "Reports each as one sentence that names the field.", 0.0,
-)  # fmt: skip
+    "Reports each as one sentence that names the field.", 0.0)  # fmt: skip
 def _out_of_bounds() -> Measured:
     made, unexplained, rows = 0, 0, []
     for wrong in BAD:
@@ -192,11 +182,9 @@ def _out_of_bounds() -> Measured:
     return Measured(float(made), float(unexplained), table(rows))
 
 
-@GENERATED_RELIEFS.case(
-    "Undersampled ripples", "Waves too short for a coarse grid alias to longer ones.",
+@GENERATED_RELIEFS.case("Undersampled ripples", "Waves too short for a coarse grid alias to longer ones.",
     "energy of aliased waves", "%", "Takes every second sample.", 50.0,
-    "Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9,
-)  # fmt: skip
+    "Synthesises the same relief on the coarse grid from the waves that it resolves.", 1e-9)  # fmt: skip
 def _undersampled() -> Measured:
     keep, x = CELLS // 2, np.arange(CELLS) * 0.1
     seabed = _fractal(beta=3.0, peaks=[[90.0, 0.0]]).seabed  # more cycles per period than a grid of 128 resolves
@@ -222,14 +210,12 @@ def _resolved_waves(field: Floats) -> Floats:
     return np.asarray(waves / np.linalg.norm(waves))
 
 
-@GENERATED_RELIEFS.case(
-    "The same seed on another grid",
+@GENERATED_RELIEFS.case("The same seed on another grid",
     "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
     "grid that is not square.",
     "difference between the waves that both grids resolve", "%",
     "Draws noise for each grid and filters it by indices.", 100.0,
-    "Hashes each wave's coefficient from the seed and its frequency.", 1e-9,
-)  # fmt: skip
+    "Hashes each wave's coefficient from the seed and its frequency.", 1e-9)  # fmt: skip
 def _same_seed() -> Measured:
     seabed, shapes = _fractal(beta=1.4).seabed, ((CELLS, CELLS), (CELLS, 128))
     plain = [_resolved_waves(_filter_noise(shape, 1.4)) for shape in shapes]
@@ -242,8 +228,7 @@ def _same_seed() -> Measured:
 @GENERATED_RELIEFS.case(
     "β measured on a picture", "Rounding to 256 greys adds white noise, which flattens a spectrum that falls steeply.",
     "error of the measured β", "", "Fits the spectrum of a picture in 256 greys.", 0.2,
-    "Fits the spectrum of the heights themselves.", 0.02, scene="breaks-greys",
-)  # fmt: skip
+    "Fits the spectrum of the heights themselves.", 0.02, scene="breaks-greys")  # fmt: skip
 def _greys() -> Measured:
     scene, spectra = load_scene("breaks-greys"), []
     fields = relief_picture(scene)[::-1].astype(np.float64), relief(scene.seabed)

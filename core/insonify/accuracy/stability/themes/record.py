@@ -55,13 +55,11 @@ def _level_bed(height: float, reach: float) -> tuple[Floats, Floats, Floats, Flo
     return x, edges, middle, (height / middle) ** 2 / math.pi * np.diff(x) / np.diff(edges)
 
 
-@RANGE_BINS.case(
-    "Range factors inside a float32 sum",
+@RANGE_BINS.case("Range factors inside a float32 sum",
     "A float32 prefix sum includes spreading by r⁻⁴, so that far bins are smaller than the rounding errors of "
     "near ones.",
     "worst error beyond 110 m", "%", "Sums energies times r⁻⁴ in float32.", 100.0,
-    "Sums energies as integers and applies range factors after the sum.", 0.5, scene="breaks-sums",
-)  # fmt: skip
+    "Sums energies as integers and applies range factors after the sum.", 0.5, scene="breaks-sums")  # fmt: skip
 def _factors() -> Measured:
     arrays = prepare(load_scene("breaks-sums")).arrays
     x, edges, middle, energy = _level_bed(5.0, BINS * BIN)
@@ -76,12 +74,10 @@ def _factors() -> Measured:
     return Measured.by(lambda record: worst(record[far], exact[far]), single, own, picture)
 
 
-@RANGE_BINS.case(
-    "Shadows that are not silent",
+@RANGE_BINS.case("Shadows that are not silent",
     "Floating-point steps that should cancel leave a remainder, so that shadows are bright or negative.",
     "bins of a shadow that are not zero", "%", "Sums float32 steps up and down.", 50.0,
-    "Sums integers, which cancel exactly.", 0.0,
-)  # fmt: skip
+    "Sums integers, which cancel exactly.", 0.0)  # fmt: skip
 def _shadows() -> Measured:
     changes = {"targets": [{"kind": "sphere", "position": [0.0, 40.0], "radius": 3.0}]}
     arrays = level_arrays(changes | {"sonar.range": 100.0, "sonar.bins": 2000, "sonar.ping_rate": 5.0})
@@ -103,11 +99,9 @@ def _cell_area(r: Floats | float, height: float, width: float, length: float) ->
         return width * r * length / np.sqrt(np.maximum(1.0 - (height / np.asarray(r)) ** 2, 0.0))
 
 
-@RANGE_BINS.case(
-    "Nadir", "The cell length cτ/(2 cos θ) is infinite at normal incidence.",
+@RANGE_BINS.case("Nadir", "The cell length cτ/(2 cos θ) is infinite at normal incidence.",
     "error of the first return's energy", "dB", "Uses the textbook's cell area at the first return.", 60.0,
-    "Spreads each segment of the bed over the bins that it spans.", 0.1,
-)  # fmt: skip
+    "Spreads each segment of the bed over the bins that it spans.", 0.1)  # fmt: skip
 def _nadir() -> Measured:
     fan, width = {"sonar.beam": {"kind": "fan", "width": 1.0}}, math.radians(1.0)
     arrays, pose = level_arrays(fan), make_pose(0.05, 0.02, 10.0)
@@ -122,11 +116,9 @@ def _nadir() -> Measured:
     return Measured.by(lambda energy: abs(10.0 * math.log10(energy / exact)), textbook, swept, picture)
 
 
-@RANGE_BINS.case(
-    "Range zero", "The first bin begins at slant range 0; neither 0 nor a silent bin has a logarithm.",
+@RANGE_BINS.case("Range zero", "The first bin begins at slant range 0; neither 0 nor a silent bin has a logarithm.",
     "bins without a number", "%", "Adds 30 log r to decibels at the near edge of each bin.", 10.0,
-    "Keeps linear intensities and takes ranges at bin centres.", 0.0,
-)  # fmt: skip
+    "Keeps linear intensities and takes ranges at bin centres.", 0.0)  # fmt: skip
 def _range_zero() -> Measured:
     record = simulate(make_level_scene()).intensity.values[0, 0].astype(np.float64)
     r = np.arange(record.size) * 0.05
@@ -148,12 +140,10 @@ EMPTY: tuple[dict[str, Any], ...] = (
 )
 
 
-@RANGE_BINS.case(
-    "An empty record",
+@RANGE_BINS.case("An empty record",
     "A record of one bin or ping, or one that ends before the bed begins, has no maximum to normalise by.",
     "such records shown wrongly", "of 4", "Divides by the loudest echo and takes logarithms.", 2.0,
-    "Shows amplitudes relative to a level bed, dark where there is no bed.", 0.0,
-)  # fmt: skip
+    "Shows amplitudes relative to a level bed, dark where there is no bed.", 0.0)  # fmt: skip
 def _empty() -> Measured:
     plain, wrong, rows = 0, 0, []
     for changes in EMPTY:
@@ -179,11 +169,9 @@ NOISY = {
 }  # fmt: skip
 
 
-@RECEIVER.case(
-    "Gain over noise", "Time-varied gain keeps rising where only noise is left.",
+@RECEIVER.case("Gain over noise", "Time-varied gain keeps rising where only noise is left.",
     "level of the last tenth of the record above the bed's", "dB", "Applies 40 log r + 2αr at every range.", 20.0,
-    "Keeps the gain constant from the range where even a perfect bed is below the noise.", 3.0,
-)  # fmt: skip
+    "Keeps the gain constant from the range where even a perfect bed is below the noise.", 3.0)  # fmt: skip
 def _gain() -> Measured:
     tvg = {"receiver.tvg": {"kind": "power", "spreading": 40.0}}
     bare, gained = (simulate(make_level_scene(NOISY | more)) for more in ({}, tvg))
@@ -213,8 +201,7 @@ def _albedos(incidences: Floats, shininess: float) -> tuple[Floats, Floats]:
 @RECEIVER.case(
     "A lobe without its norm", "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
     "surplus over the incident energy", "", "Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", 0.3,
-    "Normalises the lobe by its integral: a factor (n + 2)/2π.", 0.002,
-)  # fmt: skip
+    "Normalises the lobe by its integral: a factor (n + 2)/2π.", 0.002)  # fmt: skip
 def _lobe() -> Measured:
     degrees = np.arange(0.0, 81.0, 10.0)
     plain, own = (np.array(each).T for each in zip(*(_albedos(np.radians(degrees), n) for n in (1.0, 4.0))))
@@ -228,8 +215,7 @@ ARITHMETIC = StabilityTheme("Arithmetic", 11)
 @ARITHMETIC.case(
     "Large coordinates", "A float32 resolves a northing of millions of metres only to a quarter or half of a metre.",
     "worst error of the bed's height", "mm", "Looks heights up by map coordinates in float32.", 20.0,
-    "Subtracts a local origin in float64.", 0.01, scene="breaks-terraces",
-)  # fmt: skip
+    "Subtracts a local origin in float64.", 0.01, scene="breaks-terraces")  # fmt: skip
 def _terraces() -> Measured:
     scene, cell = load_scene("breaks-terraces"), 0.1
     east, north = scene.world.origin or (0.0, 0.0)
@@ -251,13 +237,11 @@ def _next_hit(origin: Floats, direction: Floats, centre: Floats, radius: float) 
     return np.where((half**2 >= rest) & (hit > 0.0), hit, np.inf)
 
 
-@ARITHMETIC.case(
-    "A ray that meets its own surface",
+@ARITHMETIC.case("A ray that meets its own surface",
     "A reflected ray starts at a rounded point, as often inside the surface as outside.",
     "reflected rays that meet their own sphere again", "%",
     "Starts at the hit and takes the next positive distance.", 10.0,
-    "Starts off the surface by a distance that scales with the coordinates.", 0.0,
-)  # fmt: skip
+    "Starts off the surface by a distance that scales with the coordinates.", 0.0)  # fmt: skip
 def _self_hits() -> Measured:
     east, north = load_scene("breaks-terraces").world.origin or (0.0, 0.0)
     rng, centre, radius = np.random.default_rng(1), np.array([east, north, 5.0]), 1.0
@@ -288,11 +272,9 @@ def _mean_of_known(values: Floats) -> float:
     return total / count
 
 
-@ARITHMETIC.case(
-    "Fast arithmetic", "A compiler that may assume that no value is NaN removes every check for NaN.",
+@ARITHMETIC.case("Fast arithmetic", "A compiler that may assume that no value is NaN removes every check for NaN.",
     "error of a mean over nodes, some of them missing", "", "Compiles with all flags of fast-math.", 0.0,
-    "Compiles with the kernels' flags, which all respect NaN.", 1e-12,
-)  # fmt: skip
+    "Compiles with the kernels' flags, which all respect NaN.", 1e-12)  # fmt: skip
 def _fast() -> Measured:
     values = np.ones(100)
     values[::7] = math.nan
@@ -329,12 +311,10 @@ def _missing_results() -> float:
     return percent(np.isnan(out))
 
 
-@ARITHMETIC.case(
-    "An exception inside a parallel loop",
+@ARITHMETIC.case("An exception inside a parallel loop",
     "Numba drops an exception of a function that prange calls, and returns a partly filled array.",
     "results missing without an error", "%", "Raises in a function that a parallel loop calls.", 5.0,
-    "Returns a status from every kernel and raises outside it.", 0.0,
-)  # fmt: skip
+    "Returns a status from every kernel and raises outside it.", 0.0)  # fmt: skip
 def _dropped_exception() -> Measured:
     missing, records = _missing_results(), []
     pipe = {"kind": "pipe", "position": [20.0, 0.0, -20.0], "length": 10.0, "heading": 90.0}  # the sonar runs into it
@@ -345,12 +325,10 @@ def _dropped_exception() -> Measured:
     return Measured(missing, sum(empty, 0.0), table([row]))
 
 
-@ARITHMETIC.case(
-    "Threads and blocks",
+@ARITHMETIC.case("Threads and blocks",
     "A floating-point sum depends on its order, and the order depends on the number of threads.",
     "bins that depend on the number of threads", "%", "Sums the shares of one worker and of four in float32.", 10.0,
-    "Traces each ping independently with integer sums.", 0.0,
-)  # fmt: skip
+    "Traces each ping independently with integer sums.", 0.0)  # fmt: skip
 def _threads() -> Measured:
     rng = np.random.default_rng(2)
     energies, places = rng.random(20_000, dtype=np.float32), rng.integers(0, 200, 20_000)

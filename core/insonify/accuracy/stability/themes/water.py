@@ -77,8 +77,7 @@ def _range_errors(layers: Sequence[tuple[float, float, float, float]]) -> tuple[
     "No gradient", "In a layer of nearly constant speed the formula divides one vanishing number by another.",
     "worst error of the range through 10 m, for g from 0 to 0.1 1/s", "m", "Takes (s₀ − s₁)/(gξ).", 0.01,
     "Traces arcs by the lengths of their tangents, which remain valid for a straight line.", 1e-9,
-    scene="breaks-gradient",
-)  # fmt: skip
+    scene="breaks-gradient")  # fmt: skip
 def _no_gradient() -> Measured:
     gradients = (0.0, *(10.0**k for k in range(-11, 0)))
     thick, angle = load_scene("breaks-gradient").seabed.depth, math.radians(5.0)
@@ -89,11 +88,9 @@ def _no_gradient() -> Measured:
     )
 
 
-@LAYERED_WATER.case(
-    "A vertical ray", "Snell's constant is 0 and the radius of the arc infinite.",
+@LAYERED_WATER.case("A vertical ray", "Snell's constant is 0 and the radius of the arc infinite.",
     "error of range, and of time times sound speed", "m", "Takes R (s₀ − s₁) with R = 1/(gξ).", 1e-3,
-    "Uses no radius.", 1e-9,
-)  # fmt: skip
+    "Uses no radius.", 1e-9)  # fmt: skip
 def _vertical() -> Measured:
     with np.errstate(divide="ignore", invalid="ignore"):
         radius = np.divide(1.0, np.float64((1480.0 - 1500.0) / 40.0) * 0.0)
@@ -111,11 +108,9 @@ def _vertical() -> Measured:
     )
 
 
-@LAYERED_WATER.case(
-    "Below the profile", "The last gradient of a cast, extrapolated, leads to impossible speeds.",
+@LAYERED_WATER.case("Below the profile", "The last gradient of a cast, extrapolated, leads to impossible speeds.",
     "speed at 1600 m, relative to the deepest sample", "m/s", "Extrapolates the last gradient.", 1000.0,
-    "Keeps the speed of the outermost sample.", 0.0,
-)  # fmt: skip
+    "Keeps the speed of the outermost sample.", 0.0)  # fmt: skip
 def _below() -> Measured:
     depth, field = np.linspace(20.0, 1600.0, 60), make_sound_speed_field(profile([0.0, 20.0], [1520.0, 1500.0]))
     extrapolated, own = 1500.0 - (depth - 20.0), np.array([float(field.speed_at(0.0, 0.0, z)) for z in depth])
@@ -123,11 +118,9 @@ def _below() -> Measured:
     return Measured.by(lambda speed: abs(speed[-1] - 1500.0), extrapolated, own, picture)
 
 
-@LAYERED_WATER.case(
-    "A steep thermocline", "A smooth curve through a sudden step overshoots on both sides.",
+@LAYERED_WATER.case("A steep thermocline", "A smooth curve through a sudden step overshoots on both sides.",
     "overshoot", "m/s", "Interpolates by a cubic spline.", 1.0,
-    "Interpolates by a curve that is monotone between samples.", 1e-9,
-)  # fmt: skip
+    "Interpolates by a curve that is monotone between samples.", 1e-9)  # fmt: skip
 def _thermocline() -> Measured:
     depth, speed = (0.0, 10.0, 12.0, 40.0, 60.0), (1522.0, 1521.0, 1493.0, 1490.0, 1490.0)
     fine = np.linspace(0.0, 60.0, 601)
@@ -155,8 +148,7 @@ INVALID: tuple[dict[str, Any], ...] = (
 @LAYERED_WATER.case(
     "Invalid profiles", "Depths are out of order or repeated, a speed is NaN or 0, or there is a single sample.",
     "profiles accepted without an error", "of 6", "Interpolates without a check.", 3.0,
-    "Reports each as one sentence.", 0.0,
-)  # fmt: skip
+    "Reports each as one sentence.", 0.0)  # fmt: skip
 def _invalid_profiles() -> Measured:
     accepted, unexplained, rows = 0, 0, []
     for given in INVALID:
@@ -177,8 +169,7 @@ def _invalid_profiles() -> Measured:
 @LAYERED_WATER.case(
     "A misprint", "A misplaced decimal point in the equation for the speed of sound reverses its slope.",
     "worst error from 0 to 25 °C, against TEOS-10", "m/s", "Uses 0.55 t², as printed.", 100.0,
-    "Uses 0.055 t².", 0.3,
-)  # fmt: skip
+    "Uses 0.055 t².", 0.3)  # fmt: skip
 def _misprint() -> Measured:
     warmth = np.linspace(0.0, 25.0, 101)
     printed = 1449.0 + 4.6 * warmth - 0.55 * warmth**2 + 0.0003 * warmth**3  # salinity 35, no depth
@@ -191,12 +182,10 @@ KNOTS = StabilityTheme("Knots of a profile", 2)
 KINK = profile([0.0, 20.0, 60.0], [1499.0, 1500.0, 1498.0])
 
 
-@KNOTS.case(
-    "A level ray on a knot",
+@KNOTS.case("A level ray on a knot",
     "A horizontal ray that starts on a knot of the profile steps to the nearest knot, where it already is.",
     "distance to the end of 400 m after 1000 steps", "m", "Steps to the nearest knot.", 399.0,
-    "Enters the layer towards which refraction bends the ray.", 1e-9,
-)  # fmt: skip
+    "Enters the layer towards which refraction bends the ray.", 1e-9)  # fmt: skip
 def _level() -> Measured:
     covered, depth, sine = 0.0, 20.0, 0.0
     for _ in range(1000):  # straight on within each layer
@@ -209,11 +198,9 @@ def _level() -> Measured:
     return Measured(400.0 - covered, 400.0 - min(ends), plot("range (m)", "depth (m)", [0.0], [20.0], own, down=True))
 
 
-@KNOTS.case(
-    "A layer chosen by history", "On a knot the ray belongs to two layers, and the layer used last is taken.",
+@KNOTS.case("A layer chosen by history", "On a knot the ray belongs to two layers, and the layer used last is taken.",
     "difference in depth after 100 m between two histories", "m", "Starts in the layer of the previous ray.", 0.1,
-    "Chooses by the ray's own direction and curvature.", 0.0,
-)  # fmt: skip
+    "Chooses by the ray's own direction and curvature.", 0.0)  # fmt: skip
 def _history() -> Measured:
     across = np.linspace(0.0, 100.0, 51)
     # The ray before, from 5 m or from 40 m, leaves its layer, to which the knot belongs too.
@@ -250,12 +237,10 @@ def _at_the_vertex() -> tuple[int, int]:
     return lost, unflagged
 
 
-@KNOTS.case(
-    "A ray that turns at a knot",
+@KNOTS.case("A ray that turns at a knot",
     "At the turning point the sine is the root of a rounding error, as often negative as positive.",
     "rays without a number", "%", "Takes √(s₀² − ξ² g Δz (c₀ + c₁)) at the knot.", 10.0,
-    "Crosses the knot or turns before it, depending on the sign.", 0.0,
-)  # fmt: skip
+    "Crosses the knot or turns before it, depending on the sign.", 0.0)  # fmt: skip
 def _vertex() -> Measured:
     snell = np.cos(TURNING_ANGLES) / 1500.0
     radicand = np.sin(TURNING_ANGLES) ** 2 - snell**2 * (TURNING - 1500.0) * (TURNING + 1500.0)
@@ -267,12 +252,10 @@ def _vertex() -> Measured:
     )  # fmt: skip
 
 
-@KNOTS.case(
-    "A kink met at grazing",
+@KNOTS.case("A kink met at grazing",
     "The ray tube changes by the jump of the gradient over the sine of the ray's angle, which can be 0.",
     "rays with a diverging tube and without a flag", "%", "Takes p − qξ²Δg/|s| without a bound.", 50.0,
-    "Limits the angle and flags the ray.", 0.0,
-)  # fmt: skip
+    "Limits the angle and flags the ray.", 0.0)  # fmt: skip
 def _kick() -> Measured:
     def change(sine: Floats) -> Floats:
         """Change of the tube in m/rad, 400 m beyond a jump of the gradient of 2 1/s: q ξ² Δg / |s|."""
@@ -301,11 +284,9 @@ def _leaves_the_duct(depth: float, angle: float) -> bool:
     return False
 
 
-@KNOTS.case(
-    "A ray in a duct", "A trapped ray reaches neither the surface nor the bed.",
+@KNOTS.case("A ray in a duct", "A trapped ray reaches neither the surface nor the bed.",
     "rays that never end", "of 5", "Traces until the ray meets one of them.", 3.0,
-    "Ends rays at a maximum range and after a maximum number of layers.", 0.0,
-)  # fmt: skip
+    "Ends rays at a maximum range and after a maximum number of layers.", 0.0)  # fmt: skip
 def _duct() -> Measured:
     angles = (-6.0, -3.0, 0.5, 3.0, 6.0)
     ends = ray_paths(DUCT, 40.0, angles, max_range=20_000.0, bottom=120.0).end.values
@@ -342,11 +323,10 @@ def _bisect(across: float) -> float:
     return 0.5 * (low + high)
 
 
-@REFRACTED_RAYS.case(
-    "A shadow zone",
+@REFRACTED_RAYS.case("A shadow zone",
     "A bisection between a ray that falls short and one that overshoots converges even where no ray exists.",
-    "rays reported where none exists", "of 5", "Bisects forty times.", 4.0, "Rejects a ray that misses the point.", 0.0,
-)  # fmt: skip
+    "rays reported where none exists", "of 5", "Bisects forty times.", 4.0,
+    "Rejects a ray that misses the point.", 0.0)  # fmt: skip
 def _shadow() -> Measured:
     beyond = (1700.0, 1800.0, 1900.0, 2000.0, 2200.0)
     found = [math.isfinite(_bisect(across)) for across in beyond]
@@ -380,12 +360,10 @@ def _newton() -> int:
     return 0
 
 
-@REFRACTED_RAYS.case(
-    "Several rays to one point",
+@REFRACTED_RAYS.case("Several rays to one point",
     "In a channel many rays join two points, and a search from the straight line finds one at most.",
     "rays lost", "%", "Starts Newton's method from the straight line.", 50.0,
-    "Brackets every branch between the rays that graze a knot.", 0.0,
-)  # fmt: skip
+    "Brackets every branch between the rays that graze a knot.", 0.0)  # fmt: skip
 def _several() -> Measured:
     sweep = np.linspace(-12.5, 12.5, 20_001)  # so dense that every ray to the point lies between two of them
     depths, found = _depths_reached(sweep), eigenrays(CHANNEL, FROM, ACROSS, TO, bottom=200.0)
@@ -412,8 +390,7 @@ def _sum_waves(rho: Floats) -> Floats:
 @REFRACTED_RAYS.case(
     "A caustic", "Where neighbouring rays cross, the ray tube has no width and the intensity is infinite.",
     "worst error of the level near the caustic", "dB", "Sums the two rays, each by the width of its tube.", 20.0,
-    "Uses the uniform approximation with the Airy function.", 0.01,
-)  # fmt: skip
+    "Uses the uniform approximation with the Airy function.", 0.01)  # fmt: skip
 def _caustic() -> Measured:
     rho = np.union1d(np.geomspace(1e-6, 0.1, 100), np.linspace(0.1, 6.0, 300))  # distance from the caustic
     exact = np.abs(_sum_waves(rho))
@@ -434,8 +411,7 @@ FOCUS, TUBE_GROWTH, SLOWNESS = 400.0, 20_000.0, 1.0 / 1500.0
 @REFRACTED_RAYS.case(
     "A caustic at another frequency", "The width of a caustic depends on the wavelength, which rays do not have.",
     "worst error of the level, at 12 kHz, 120 kHz and 1 MHz", "dB", "Takes no tube as narrower than 2 % of its range.",
-    6.0, "Uses the Airy function, averaged over an octave of frequency.", 0.2,
-)  # fmt: skip
+    6.0, "Uses the Airy function, averaged over an octave of frequency.", 0.2)  # fmt: skip
 def _caustic_by_frequency() -> Measured:
     tubes, nodes, weights = np.geomspace(3.0, 110.0, 60), *np.polynomial.hermite_e.hermegauss(16)
     intensities: list[list[Floats]] = [[], [], []]
@@ -473,12 +449,10 @@ def _hits_by_steps(angles: Floats) -> Floats:
     return np.array([float(ray.y_events[0][0][0]) if ray.t_events[0].size else math.nan for ray in rays])
 
 
-@REFRACTED_RAYS.case(
-    "Steps past a touch",
+@REFRACTED_RAYS.case("Steps past a touch",
     "An integrator with adaptive steps passes the point where a smooth ray touches the bed.",
     "error of the limiting range", "m", "Integrates with adaptive steps and an event at the bed.", 100.0,
-    "Finds the grazing ray among exact arcs.", 0.05, scene="breaks-grazing",
-)  # fmt: skip
+    "Finds the grazing ray among exact arcs.", 0.05, scene="breaks-grazing")  # fmt: skip
 def _touch() -> Measured:
     water, radius = load_scene("breaks-grazing").water, 1501.0 / GRADIENT
     limit = math.sqrt(2.0 * radius * HEIGHT - HEIGHT**2)  # √(2Rh − h²) with R = c at the bed over g
@@ -512,8 +486,7 @@ def _single_time(across: float, depth: tuple[float, float]) -> float:
 @REFRACTED_RAYS.case(
     "Travel time in float32", "Seven digits of a time of seconds do not resolve the phase of a 400 kHz carrier.",
     "worst error of the phase, from 1 to 5 km", "turns", "Takes the closed form in float32.", 0.1,
-    "Keeps times in float64 in a form without cancellation.", 1e-6,
-)  # fmt: skip
+    "Keeps times in float64 in a form without cancellation.", 1e-6)  # fmt: skip
 def _travel_time() -> Measured:
     deep, depth, across = profile([0.0, 8000.0], [1500.0, 1628.0]), (4000.0, 4100.0), np.linspace(1000.0, 5000.0, 41)
     times = [(_single_time(x, depth), float(eigenrays(deep, depth[0], x, depth[1]).time[0])) for x in across]
@@ -547,13 +520,11 @@ def _cosines_from_slopes(table: Singles, low: float, x: Floats, z: Floats) -> Fl
     return 0.5 * (q[1:] + q[:-1]) * np.diff(np.arctan2(seen_z, seen_x)) / np.hypot(np.diff(x), np.diff(z))
 
 
-@LAYERED_ECHOES.case(
-    "An incidence from the slope of a table",
+@LAYERED_ECHOES.case("An incidence from the slope of a table",
     "A table of positions with linear interpolation has slopes with errors of first order, and a narrow lobe takes "
     "the 400th power of the cosine that follows from them.",
     "worst error of a facet's lobe", "%", "Takes the incidence from the slopes of the table.", 20.0,
-    "Takes it from the direction of arrival, which is tabulated too.", 0.5,
-)  # fmt: skip
+    "Takes it from the direction of arrival, which is tabulated too.", 0.5)  # fmt: skip
 def _lobes() -> Measured:
     apparent, _ = make_apparent_tables(level_arrays(SLOWING), make_pose(0.0, 0.0, ALTITUDE))
     middle = np.linspace(0.4, 50.0, FACETS)
@@ -587,13 +558,11 @@ TWICE = slice(2670, 2890)  # bins in which every echo arrives along several path
 RAYS, MANY_RAYS = 1 << 12, 1 << 20
 
 
-@LAYERED_ECHOES.case(
-    "Pairs of paths binned one by one",
+@LAYERED_ECHOES.case("Pairs of paths binned one by one",
     "Where sound arrives along several paths, each pair of a ray out and a path back adds its echo to one bin.",
     "error of the record where every echo arrives along several paths", "%",
     "Puts the echo of each pair into the bin in which it arrives.", 10.0,
-    "Spreads it over the range between neighbouring rays.", 0.5,
-)  # fmt: skip
+    "Spreads it over the range between neighbouring rays.", 0.5)  # fmt: skip
 def _double() -> Measured:
     arrays, pose = first_ping(make_level_scene(DOUBLE))
     single, exact = (rays.trace(arrays, pose, rays=count)[0, 0, TWICE] for count in (RAYS, MANY_RAYS))
