@@ -12,7 +12,7 @@ from insonify.compiler.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED, SPHERE
 from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.geometry.triangles import facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, cell_normal, load_cell
+from insonify.kernels.rays.cell_walk import NO_HIT, Ray, cell_normal, load_bed_cell
 
 TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
@@ -41,16 +41,16 @@ def _march(bed, solids, near, count, ray, ceiling, reach, step):
     before = _bed_clearance(bed, ray, (first - 1) * step)
     for k in range(first, last + 1):
         distance, body, before = _sample(bed, solids, near, count, ray, before, k * step, step)
-        if body != NOTHING:
+        if body != NO_HIT:
             return distance, body
-    return math.inf, NOTHING
+    return math.inf, NO_HIT
 
 
 @inlined_before_typing
 def _sample(bed, solids, near, count, ray, before, t, step):
     """Test the sample at distance t: distance of the surface crossed since the last sample, body, and clearance."""
     # ``before`` is the clearance above the bed of the last sample, a step nearer.
-    best, body = math.inf, NOTHING
+    best, body = math.inf, NO_HIT
     after = _bed_clearance(bed, ray, t)
     if after <= 0.0:
         share = before / (before - after) if 0.0 < before < math.inf else 1.0
@@ -77,13 +77,13 @@ def march_chord(bed, solids, near, count, ray, length):
 @inlined_before_typing
 def _surface_at(bed, solids, ray, distance, body):
     """Material and normal of what a ray meets at a distance."""
-    if body == NOTHING:
+    if body == NO_HIT:
         return 0, 0.0, 0.0, 0.0
     if body == BED:
         row, column, u, v = _cell_beneath(bed, ray, distance)
         if row < 0:
             return 0, 0.0, 0.0, 0.0
-        nx, ny, nz = cell_normal(load_cell(bed.heights, row, column), u, v, bed.spacing)
+        nx, ny, nz = cell_normal(load_bed_cell(bed.heights, row, column), u, v, bed.spacing)
         return np.int64(bed.materials[row, column]), nx, ny, nz
     nx, ny, nz = _body_normal(solids, body, ray, distance)
     return solids.material[body], nx, ny, nz
@@ -132,7 +132,7 @@ def _bed_clearance(bed, ray, t):
     row, column, u, v = _cell_beneath(bed, ray, t)
     if row < 0:
         return math.inf
-    cell = load_cell(bed.heights, row, column)
+    cell = load_bed_cell(bed.heights, row, column)
     height = ray.z + t * ray.dz - (cell.a + cell.b * u + (cell.c + cell.d * u) * v)
     return height if height == height else math.inf
 

@@ -16,7 +16,7 @@ from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.common.types import BED, SPHERE
 from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
+from insonify.kernels.rays.cell_walk import NO_HIT, Ray, meet_bed
 
 WATER = -3  # place of a path that is in no body
 OFFSET = 1e-13  # share of all lengths by which a path starts off the surface that it leaves
@@ -56,7 +56,7 @@ class Intersection(NamedTuple):
     """The next surface that a path meets."""
 
     distance: float
-    body: int  # NOTHING if it meets nothing
+    body: int  # NO_HIT if it meets nothing
     material: int
     nx: float  # unit normal on the path's side
     ny: float
@@ -175,7 +175,7 @@ def meet_next(arrays, path, reach):
 @kernel
 def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
     """Nearest surface of a scene along a straight ray."""
-    best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
+    best, body, material, mx, my, mz = reach, NO_HIT, 0, 0.0, 0.0, 0.0
     for k in range(arrays.solids.shape.size):
         distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)
         if distance < best:
@@ -206,7 +206,7 @@ def _leave_solids(solids, path):
         if other < 0:
             return Intersection(total - off, body, solids.material[body], -nx, -ny, -nz)
         body = other
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NO_HIT, 0, 0.0, 0.0, 0.0)
 
 
 @inlined
@@ -237,7 +237,7 @@ def _leave_mesh(arrays, path):
         if mesh.target[triangle] == target and outwards > 0.0:
             return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
         total += off
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NO_HIT, 0, 0.0, 0.0, 0.0)
 
 
 @inlined

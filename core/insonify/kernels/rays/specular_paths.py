@@ -26,7 +26,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.cell_walk import NO_HIT
 from insonify.kernels.rays.path_tracing import (
     WATER,
     Intersection,
@@ -48,7 +48,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
     """Add the echoes of one side's rays after their first hits to the range bins."""
     fan, reach = arrays.half_width > 0.0, arrays.bins * arrays.bin_length
     for k in range(weight.size):
-        if hits.body[k] == NOTHING or weight[k] == 0.0:
+        if hits.body[k] == NO_HIT or weight[k] == 0.0:
             continue
         meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path = advance_to(arrays, start_path(bundle, k), meeting)
@@ -64,7 +64,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
             path = waiting.pop()
             # Beyond twice the range even a mixed echo comes too late.
             meeting = meet_next(arrays, path, 2.0 * reach - path.length)
-            if meeting.body == NOTHING:
+            if meeting.body == NO_HIT:
                 continue
             path = advance_to(arrays, path, meeting)
             if path.inside == WATER:
@@ -93,7 +93,7 @@ def follow_specular_paths(arrays, bundle, reach):
         while len(waiting) > 0:
             path = waiting.pop()
             meeting = meet_next(arrays, path, reach - path.length)
-            if meeting.body == NOTHING:
+            if meeting.body == NO_HIT:
                 continue
             path = advance_to(arrays, path, meeting)
             numbers.append((k, path.bounce, meeting.body))
@@ -146,7 +146,7 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting, reach):
         return distance, 0.0
     off = offset_from_surface(path.x, path.y, path.z, path.length)
     blocker = meet_scene(arrays, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
-    if blocker.body != NOTHING:
+    if blocker.body != NO_HIT:
         return distance, 0.0
     row, up = arrays.reflectivity[meeting.material], path.up
     mirrored = 2.0 * cosine * straight - (sx * path.dx + sy * path.dy + sz * path.dz)

@@ -46,7 +46,10 @@ NO_PRIMITIVE = -1
 
 @inlined_uncounted
 def meet_body(body, count, normals, distance, incidence, lean):
-    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane."""
+    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane.
+
+    ``distance`` and ``incidence`` enter as cosine and sine of the launch angles, which are not needed afterwards.
+    """
     # The arithmetic of `meet_primitive` without branches, which would keep the compiler from its vector units: ray by
     # ray, the z-buffer of a pipe takes four times as long.
     source = body.source
