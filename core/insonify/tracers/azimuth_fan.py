@@ -73,16 +73,16 @@ def lay_planes(
     """
     planes, across = (np.broadcast_to(np.asarray(number, np.int64), poses.x.shape) for number in (planes, across))
     whole = _Laying(poses.x.size)
-    for count, more in np.unique(np.column_stack([planes, across]), axis=0):
+    for count, more in sorted(set(zip(planes.tolist(), across.tolist()))):
         places = np.flatnonzero((planes == count) & (across == more))
         some, at = take_poses(poses, places), None if laid_at is None else laid_at[places]
-        for among, fan in _lay_alike(arrays, some, int(count), at):
+        for among, fan in _lay_alike(arrays, some, count, at):
             whole.add(fan, places[among])
         if more > 0 and arrays.half_width > 0.0 and has_bodies(arrays):
             # One plane stands for a whole beam that meets no target.
-            for among, fan in _lay_alike(arrays, some, int(count) if count > 1 else LEAST_PLANES, at, divided=True):
+            for among, fan in _lay_alike(arrays, some, count if count > 1 else LEAST_PLANES, at, divided=True):
                 for part in split_pings(arrays, places[among]):
-                    whole.divide(fan, part, arrays, take_poses(poses, part), int(more), is_whole_beam=count == 1)
+                    whole.divide(fan, part, arrays, take_poses(poses, part), more, is_whole_beam=count == 1)
     return whole.laid
 
 

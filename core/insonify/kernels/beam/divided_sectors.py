@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel
 
 LEAST = 1e-9  # rad, by which edges of sectors differ
 TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 AT_EDGE = 1e-4  # share of a plane's width within which a border of a target is at its edge
 LOW, HIGH, ANGLE, FAR_ANGLE, NEAR_FIELD, REACH, APART, COLUMNS = range(8)  # of a divided sector
+BEGIN, END, STEP, NEAREST = range(4)  # of a body
 
 
 @kernel
@@ -53,16 +54,14 @@ def divide_sectors(planes, bodies, corners, height, most):
     return found[:size], counts
 
 
-@inlined
+@inlined_uncounted
 def _is_any_demanded(planes, bodies, corners, height):
     """Whether any sector of a ping is to be divided."""
-    least, most = planes[0, LOW], planes[-1, HIGH]
     for j in range(bodies.shape[0]):
-        if bodies[j, 1] < least or bodies[j, 0] > most:
-            continue
-        for k in range(planes.shape[0]):
-            if _is_demanded(planes[k], bodies[j], corners[j], height):
-                return True
+        if bodies[j, STEP] < math.inf and bodies[j, END] >= planes[0, LOW] and bodies[j, BEGIN] <= planes[-1, HIGH]:
+            for k in range(planes.shape[0]):
+                if _is_demanded(planes, k, bodies, j, corners, height):
+                    return True
     return False
 
 
@@ -112,23 +111,24 @@ def _find_demands(planes, bodies, corners, height):
     is_dense, concerned = np.zeros(planes.shape[0], np.bool_), np.zeros(bodies.shape[0], np.bool_)
     for j in range(bodies.shape[0]):
         for k in range(planes.shape[0]):
-            if _is_demanded(planes[k], bodies[j], corners[j], height):
+            if _is_demanded(planes, k, bodies, j, corners, height):
                 is_dense[k] = concerned[j] = True
     return is_dense, concerned
 
 
-@inlined
-def _is_demanded(plane, body, corners, height):
-    """Whether a plane is too wide for a body, or holds a border of it."""
-    low, high, begin, end, step = plane[LOW], plane[HIGH], body[0], body[1], body[2]
-    if not step < math.inf or end < low or begin > high or body[3] > plane[REACH] * height:
+@inlined_uncounted
+def _is_demanded(planes, k, bodies, j, corners, height):
+    """Whether plane k is too wide for body j, or holds a border of it."""
+    low, high = planes[k, LOW], planes[k, HIGH]
+    begin, end, step = bodies[j, BEGIN], bodies[j, END], bodies[j, STEP]
+    if not step < math.inf or end < low or begin > high or bodies[j, NEAREST] > planes[k, REACH] * height:
         return False
     # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
     inward = AT_EDGE * (high - low)
     demanded = low < end and high > begin and high - low > (1.0 + LEAST) * step
     demanded |= (low + inward < begin < high - inward) or (low + inward < end < high - inward)
-    for c in range(corners.size):
-        demanded |= low + inward < corners[c] < high - inward
+    for c in range(corners.shape[1]):
+        demanded |= low + inward < corners[j, c] < high - inward
     return demanded
 
 
@@ -148,10 +148,12 @@ def find_pings_met(planes, first, last, bodies, height):
     met = np.zeros(height.size, np.bool_)
     for ping in range(height.size):
         for j in range(bodies.shape[1]):
-            begin, end, step, nearest = bodies[ping, j]
+            begin, end = bodies[ping, j, BEGIN] - TURNED, bodies[ping, j, END] + TURNED
+            if not bodies[ping, j, STEP] < math.inf:
+                continue
             for k in range(first[ping], last[ping]):
-                within = begin - TURNED <= planes[k, 0] <= end + TURNED and step < math.inf
-                met[ping] |= within and nearest <= planes[k, 1] * height[ping]
+                is_reached = bodies[ping, j, NEAREST] <= planes[k, 1] * height[ping]
+                met[ping] |= is_reached and begin <= planes[k, 0] <= end
     return met
 
 
