@@ -46,7 +46,7 @@ class Rays(Tracer):
         return REFRACTED_RAY if model.bent else RAY
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
-        """Trace pings as `trace` does."""
+        """Trace pings by the settings of this method."""
         return trace(arrays, poses, **settings)
 
 

@@ -162,7 +162,7 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
 def echo_dark_sides(arrays, rays, own):
     """Echoes from the dark sides of caustics, of a surface like that where refracted rays land on the bright side."""
     hits, arrivals = rays.hits, rays.arrivals
-    ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
+    ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0))
     dark = RayEchoes(ray, np.full(ray.size, -1), np.zeros(ray.size), np.empty(ray.size), own.cosine[ray])
     for m in range(ray.size):
         k = ray[m]
