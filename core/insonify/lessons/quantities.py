@@ -10,7 +10,7 @@ from insonify.arrays import Dataset, Floats
 from insonify.scene import Scene
 from insonify.scene.sonar.beams.line_array import LineArray
 
-SIDES = ("port", "starboard")
+CHANNEL_SIDES = ("port", "starboard")
 # −3 dB width of a line array, one-way, in wavelengths over its length (docs/theory/beam.md).
 THREE_DECIBELS = {"uniform": 0.886, "cosine": 1.189, "hamming": 1.304, "taylor": 1.125}
 DARK = 1e-3  # share of the brightest echo below which a bin counts as dark
@@ -81,7 +81,7 @@ def _dark_stretch(scene: Scene, record: Dataset) -> tuple[float, float]:
     # Of the ping abreast of the first target, on its side.
     across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
     ping = round((along - scene.track.start[0]) / _ping_spacing(scene))
-    side = SIDES[0] if across > 0.0 else SIDES[1]
+    side = CHANNEL_SIDES[0] if across > 0.0 else CHANNEL_SIDES[1]
     edges, intensity = _edges(scene), record.intensity.isel(ping_time=ping).sel(channel=side).to_numpy()
     dark = np.flatnonzero(np.diff(np.concatenate([[1], (intensity > 0.0).astype(int), [1]])))
     starts, ends = dark[::2], dark[1::2]

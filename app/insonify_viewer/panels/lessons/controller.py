@@ -8,7 +8,7 @@ from typing import Any
 from insonify.files import bundled_scenes
 from insonify.io.atomic import write_text
 from insonify.lessons.lesson import Lesson, load_lessons
-from insonify.lessons.quantities import SIDES
+from insonify.lessons.quantities import CHANNEL_SIDES
 from insonify.lessons.states import AUTOMATIC, LessonState, split_move, subject_of
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
@@ -229,7 +229,7 @@ class LessonsPanel(Panel):
         sonar = self._session.scene.sonar
         ping = int(point.get("point.ping", self._newest))
         place = int(point["point.slant_range"] / sonar.range * sonar.bins)
-        return Mark(ping, SIDES.index(point.get("point.side", SIDES[0])), place)
+        return Mark(ping, CHANNEL_SIDES.index(point.get("point.side", CHANNEL_SIDES[0])), place)
 
     @property
     def _state(self) -> LessonState:
