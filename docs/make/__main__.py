@@ -29,8 +29,7 @@ import reference
 import small_pictures
 
 DOCS = Path(__file__).resolve().parents[1]
-GENERATED = {
-    "reference/scene.md": fields.page,
+GENERATED: dict[str, Callable[[], str]] = {
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
     "howto/courses.md": courses.page,
@@ -73,11 +72,12 @@ def _wanted(name: str, names: list[str]) -> bool:
 def _reference(arguments: argparse.Namespace) -> list[str]:
     """Make the generated pages; return those that differ from the files."""
     stale = []
-    for name, make in GENERATED.items():
-        path, text = DOCS / name, make()
+    for name, text in {**fields.pages(), **{name: make() for name, make in GENERATED.items()}}.items():
+        path = DOCS / name
         if _wanted(name, arguments.names) and (not path.exists() or path.read_text(encoding="utf-8") != text):
             stale.append(name)
             if not arguments.check:
+                path.parent.mkdir(exist_ok=True)
                 path.write_text(text, encoding="utf-8")
     return stale
 
@@ -87,7 +87,7 @@ def _pages(arguments: argparse.Namespace) -> list[str]:
     stale = []
     for path in [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]:
         name = path.relative_to(DOCS).as_posix() if path.is_relative_to(DOCS) else f"../{path.name}"
-        if name in GENERATED or not _wanted(name, arguments.names):
+        if name in GENERATED or name.startswith("reference/scene") or not _wanted(name, arguments.names):
             continue
         text = path.read_text(encoding="utf-8")
         made = pages.run(text, None if arguments.check else path)
