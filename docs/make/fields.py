@@ -13,11 +13,11 @@ HEAD = """# Scene fields
 
 <!-- Made by `python docs/make` from the declarations in `insonify.scene`. Edit those. -->
 
-Every field of a scene file, with its unit, default, bounds and meaning; each table of the file has a page of its own. The
-path before a field's name is its table in the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A field
-with a `kind` is written as a table, `beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind,
+Every field of a scene file, with its unit, default, bounds and meaning. Each table of the file has a page of its own.
+The path before a field's name is its table in the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A
+field with a `kind` is written as a table, `beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind,
 `beam = "fan"`, with all its defaults. Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees.
-Directions count counter-clockwise from +x (east); z points up with the sea surface at 0, and *depth* points down.
+Directions count counter-clockwise from +x (east). The axis z points up, with the sea surface at 0; *depth* points down.
 
 """
 TABLE_HEAD = """# Scene fields: {name}
