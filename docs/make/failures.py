@@ -11,7 +11,7 @@ HEAD = """# Where methods fail
 <!-- Made by `python docs/make stability` from the cases in `insonify.accuracy.stability`. Edit those. -->
 
 Methods that simulate sound fail in known places: in a layer without a gradient, straight above a knot, with too few
-digits. Each row sets up one such place and measures two methods against the truth: the plain one, and the one used here.
+digits. Each row sets up one such place and measures two methods against the truth: the plain one and the one used here.
 `insonify stability -o report.html` measures and draws all of them on your machine, and every row is also a test. There
 are {count} rows; the method used here keeps its bound in {held}.
 
