@@ -21,6 +21,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import close_ups
 from PIL import Image
 
 BLOCK = re.compile(r"^(<!-- \w+ -->\n)?```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -31,7 +32,7 @@ WIDTHS = {
     "chart-bent": 1500,
     "chart-rough": 1500,
     "convergence": 1000,
-    "ghosts": 1200,
+    "learned": 1200,
     "handles": 1140,
     "lesson": 1400,
     "one-effect": 1400,
@@ -42,7 +43,7 @@ WIDTHS = {
     "window": 1400,
 }
 # Parts of a window, (left, top, right, bottom) in pixels of its picture, that a page shows instead of the whole.
-CLOSE_UPS = {
+OF_WINDOWS = {
     "controls": (1270, 62, 1600, 696),
     "handles": (0, 62, 1130, 650),
     "lesson": (0, 62, 1600, 640),
@@ -153,9 +154,11 @@ def _keep_pictures(text: str, place: Path, folder: Path) -> None:
     for path, name in PICTURE.findall(text):
         drawn = folder / f"{name}.png"
         if drawn.exists():
-            if name in CLOSE_UPS:
+            if name in OF_WINDOWS:
                 with Image.open(drawn) as image:
-                    image.crop(CLOSE_UPS[name]).save(drawn)
+                    image.crop(OF_WINDOWS[name]).save(drawn)
+            if name in close_ups.PARTS:
+                close_ups.enlarge(name, drawn)
             shrink(drawn, place / path, WIDTHS.get(name, WIDTH))
 
 
