@@ -31,6 +31,7 @@ WIDTHS = {
     "chart": 1500,
     "chart-bent": 1500,
     "chart-rough": 1500,
+    "contact-sheet": 1100,
     "convergence": 1000,
     "learned": 1200,
     "handles": 1140,
