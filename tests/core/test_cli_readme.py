@@ -166,3 +166,15 @@ def test_pages_pictures_and_paths_that_code_and_documentation_name_exist():
         for path in re.findall(rf"`([\w.-]+(?:/[\w.-]+)+(?:{known}))`", prose):
             place = re.sub(r"/NAME\.\w+$", "", path)
             assert any((root / place).exists() for root in roots), f"{page}: {path}"
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_from_outside_the_site_lead_to_files_and_headings(name):
+    """`mkdocs build --strict` checks the links of the pages themselves."""
+    for path, heading in re.findall(
+        r"\]\((?!https:)([^)\s#]+)(?:#([\w-]+))?[^)]*\)", (ROOT / name).read_text(encoding="utf-8")
+    ):
+        assert (ROOT / path).is_file(), path
+        titles = re.findall(r"^#+ (.*)$", PAGES.get(path, ""), re.MULTILINE)
+        known = {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", title).strip().lower()) for title in titles}
+        assert not heading or heading in known, f"{path}#{heading}"
