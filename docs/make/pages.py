@@ -18,6 +18,7 @@ import re
 import shlex
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +129,8 @@ def _console(body: str, quick: bool) -> str:
         if not part.startswith("$ insonify") or skipped:
             out.append(part)
         else:
-            out.append(f"{command}\n{_insonify(words[1:])}")
+            printed = _planned(*words[2:]) if words[1] == "plan" else _insonify(words[1:])
+            out.append(f"{command}\n{printed}")
     return "".join(out)
 
 
@@ -140,6 +142,12 @@ def _insonify(words: list[str]) -> str:
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
         main(words)
     return printed.getvalue()
+
+
+@cache
+def _planned(*words: str) -> str:
+    """Return a plan, the same on all pages: its costs are measured."""
+    return _insonify(["plan", *words])
 
 
 def _python(body: str, names: dict[str, Any]) -> str:
