@@ -16,9 +16,9 @@ from insonify.io.atomic import replacing
 from insonify.statistics.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
 
 HUES = (BLUE, ORANGE)
-WIDE, DPI = 15.0, 110  # inches
-BORDER, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
-TALLEST = 11.0  # inches, of the pictures
+WIDE, DPI = 12.5, 130  # inches
+BORDER, GAP, GRAPHS = 0.6, 0.7, 2.4  # inches; the last is the height of the graphs
+TALLEST = 9.0  # inches, of the pictures
 GREATEST_POWER = 1e200  # of a logarithmic axis; its ticks overflow beyond
 
 
