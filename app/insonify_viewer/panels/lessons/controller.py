@@ -89,7 +89,7 @@ class LessonsPanel(Panel):
     def entries(self) -> list[Entry]:
         """List the lessons for the command palette."""
         return [
-            Entry("Lesson", each.title, each.introduction, partial(self._begin_in_panel, each))
+            Entry("Lesson", each.title, "; ".join(step.title for step in each.steps), partial(self._begin_in_panel, each))
             for each in load_lessons()
         ]
 
