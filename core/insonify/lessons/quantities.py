@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Dataset, Floats
+from insonify.arrays import Booleans, Dataset, Floats
 from insonify.scene import Scene
 from insonify.scene.seabed.materials.sediments import scattering_strength
 from insonify.scene.sonar.beams.line_array import LineArray
@@ -39,6 +39,13 @@ def _speed(scene: Scene) -> float:
     from insonify.acoustics.water import recording_speed
 
     return recording_speed(scene)
+
+
+def _sonar_speed(scene: Scene) -> float:
+    # lazy: as above
+    from insonify.acoustics.water import speed_at_sonar
+
+    return speed_at_sonar(scene)
 
 
 def _wavelength(scene: Scene) -> float:
@@ -195,10 +202,23 @@ def _along_period(within: Floats) -> float:
     return len(louder) / float(power.argmax())
 
 
-def _echoes(within: Floats) -> float:
-    """Count the stretches of the track in which the strongest bin exceeds a quarter of its greatest intensity."""
+def _slant(within: Floats) -> float:
+    """Share by which waves that run to one side across range and track exceed those that run to the other."""
+    louder = max(within, key=np.max)
+    power = np.square(np.abs(np.fft.fft2(louder - louder.mean(axis=0))))
+    half = power[:, 1 : (power.shape[1] + 1) // 2]  # waves of positive frequency over range
+    up, down = half[1 : (len(half) + 1) // 2].sum(), half[len(half) // 2 + 1 :].sum()
+    return float(abs(up - down) / (up + down))
+
+
+def _loud(within: Floats) -> Booleans:
+    """Whether the strongest bin of each ping exceeds a quarter of the greatest intensity, on the louder side."""
     strongest = max(within, key=np.max).max(axis=1)
-    loud = strongest > 0.25 * strongest.max()
+    return np.asarray(strongest > 0.25 * strongest.max())
+
+
+def _echoes(within: Floats) -> float:
+    loud = _loud(within)
     return float(np.count_nonzero(np.diff(loud, prepend=False) & loud))
 
 
@@ -207,6 +227,14 @@ def _echo_range(scene: Scene, record: Dataset, near: float, far: float) -> float
     centres = 0.5 * (_edges(scene)[1:] + _edges(scene)[:-1])
     mean = record.intensity.to_numpy().mean(axis=1) * ((centres >= near) & (centres <= far))
     return float(centres[mean.max(axis=0).argmax()])
+
+
+def _track(scene: Scene, record: Dataset) -> Floats:
+    """Altitude of every ping as bottom tracking finds it."""
+    # lazy: loads Numba
+    from insonify.io.records.bottom_track import track_bottom
+
+    return track_bottom(record.intensity.to_numpy(), scene.sonar.range / scene.sonar.bins)
 
 
 _AT, _STRETCH = ("slant_range (m)",), ("near (m)", "far (m)")
@@ -252,6 +280,18 @@ QUANTITIES: dict[str, Quantity] = {
                                   lambda scene: scene.sonar.pulse.cell(_speed(scene))),
     "pings_on": Quantity(("length (m)", *_AT), "pings that reach a target of a length along the track",
                          lambda scene, length, at: (length + _along_resolution(scene, at)) / _ping_spacing(scene)),
+    "wave_height": Quantity((), "rms height of the waves of the sea surface (m)",
+                            lambda scene: scene.water.surface.rms_height),
+    "tracked_altitude": Quantity(
+        (), "median altitude that the record shows by itself, in the speed that the recorder counts with (m)",
+        lambda scene: scene.altitude * _speed(scene) / _sonar_speed(scene), lambda *read: float(np.median(_track(*read))),
+    ),
+    "track_error": Quantity(
+        (), "greatest difference between tracked and true altitude, of nineteen of twenty pings (m)",
+        measure=lambda scene, record: float(
+            np.quantile(np.abs(_track(scene, record) - record.platform_altitude.to_numpy()), 0.95)
+        ),
+    ),
     "bed_level": Quantity(_AT, "echo of a level bed at a slant range, by the sonar equation (dB)", _bed_level),
     "noise_level": Quantity(_AT, "noise and reverberation at a slant range (dB)", _noise_level),
     "target_level": Quantity(("target strength (dB)", *_AT), "echo of a target at a slant range (dB)", _target_level),
@@ -288,6 +328,10 @@ QUANTITIES: dict[str, Quantity] = {
                                measure=_between(_along_contrast)),
     "along_period": Quantity(_STRETCH, "pings from band to band along the track between two slant ranges",
                              measure=_between(_along_period)),
+    "loud_pings": Quantity(_STRETCH, "pings with a strong echo between two slant ranges, on the louder side",
+                           measure=_between(lambda within: float(np.count_nonzero(_loud(within))))),
+    "slant": Quantity(_STRETCH, "share by which slanted waves of one side exceed those of the other, 0 to 1",
+                      measure=_between(_slant)),
     "echoes": Quantity(_STRETCH, "strong echoes apart along the track between two slant ranges, on the louder side",
                        measure=_between(_echoes)),
 }  # fmt: skip
