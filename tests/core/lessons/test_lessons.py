@@ -182,6 +182,25 @@ def test_a_blank_is_a_field_as_it_is_or_a_value_to_three_digits(text, written):
         assert write_out(text, state.reader(before)) == written
 
 
+EARTH = {"water.sound_speed": 1500.0, "water.absorption.coefficient": 38.0, "water.surface.gravity": 9.81}
+
+
+@pytest.mark.parametrize("run", ["", "2026-03-01T09:30", "2026-03-02T11:00"])
+def test_every_run_draws_another_ocean_in_which_remembered_answers_fail(run):
+    lesson = load_lesson("other-ocean")
+    drawn, other = fill_in(lesson, run), fill_in(lesson, run + "'")
+    assert {path: drawn.set[path] for path in lesson.draw} != {path: other.set[path] for path in lesson.draw}
+    assert all(least <= drawn.set[path] <= greatest for path, (least, greatest) in lesson.draw.items())
+    assert fill_in(lesson, run) == drawn
+    check_lesson(drawn)
+    remembered = states_of(drawn.model_copy(update={"set": drawn.set | EARTH}))
+    for (step, start, end), (_, before, after) in zip(states_of(drawn), remembered):
+        answer = parse_expression(step.ask.value).number(after.reader(before))
+        right = parse_expression(step.ask.value).number(end.reader(start))
+        assert judge(step.ask, right, end.reader(start)).grade is Grade.RIGHT
+        assert judge(step.ask, answer, end.reader(start)).grade is not Grade.RIGHT, step.title
+
+
 def shadow_of_block(scene: Scene) -> tuple[float, float]:
     """Slant ranges at which the shadow of the first target begins and ends, from the intensities alone."""
     record = simulate(scene)
