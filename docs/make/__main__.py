@@ -33,9 +33,9 @@ GENERATED = {
     "reference/scene.md": fields.page,
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
-    "howto/courses.md": courses.page,
     "howto/index.md": reference.howto_page,
     "architecture/rooms.md": packages.page,
+    **courses.pages(),
 }
 TIMES = re.compile(
     r" +(-|[\d.]+(e[+-]?\d+)? µs)$", re.MULTILINE
