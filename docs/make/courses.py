@@ -15,10 +15,10 @@ from insonify.lessons.wording import fill_in
 
 HEAD = """# Teach a course
 
-The courses of [lessons](lessons.md), a plan for a semester and one for two hours. Each course has a page with its questions;
-the right answers, and the misconceptions behind the wrong ones that the viewer knows, stand [on a page for
-teachers](../courses/answers.md). Every number in a lesson is computed from its scene. After a lesson, *Save page…* writes
-answers and records as a page to hand in, PDF or Markdown, which serves as the worksheet.
+The courses of [lessons](lessons.md), a plan for a semester and one for two hours. Each course has a page with its
+questions; the right answers, and the misconceptions behind the wrong ones, stand [on a page for
+teachers](../courses/answers.md). Every number in a lesson is computed from its scene. After a lesson, *Save page…*
+writes answers and records as a page to hand in, PDF or Markdown, which serves as the worksheet.
 
 | course | level | lessons | minutes | assumes |
 |---|---|---|---|---|
@@ -34,10 +34,14 @@ WEEKS = (
     ("The sonar equation", "sonar-equation noise", "Work out `insonify budget raw-record` by hand."),
     ("Sound speed and refraction", "sound-speed thermocline figure-3 ghosts",
      "Lay the shadow zone of a cast of your own."),
-    ("The tow and other sounds", "towing other-sounds fish-and-plumes bottom-tracking", "List what repeats, what slants, what drifts."),
-    ("Angles and sediments", "ground-range incidence angular-response sediments", "Compare two sediments at one incidence."),
-    ("Texture and speckle", "incidence-and-ripples speckle classification figure-6 models", "Make a bed that passes for a recording."),
-    ("Targets", "pipe-span detection wreck-or-rock figure-2 figure-4 figure-5", "Describe a contact so that another finds it."),
+    ("The tow and other sounds", "towing other-sounds fish-and-plumes bottom-tracking",
+     "List what repeats, what slants, what drifts."),
+    ("Angles and sediments", "ground-range incidence angular-response sediments",
+     "Compare two sediments at one incidence."),
+    ("Texture and speckle", "incidence-and-ripples speckle classification figure-6 models",
+     "Make a bed that passes for a recording."),
+    ("Targets", "pipe-span detection wreck-or-rock figure-2 figure-4 figure-5",
+     "Describe a contact so that another finds it."),
     ("Surveys", "survey-lines mosaics", "Plan lines for a square kilometre and 3 pings on a metre."),
     ("A recording, and the test", "read-a-recording end-test other-ocean", "Hand in the pages of all three."),
 )  # fmt: skip
@@ -71,9 +75,9 @@ With the [lecture](view.md#lecture) view (F11) on a projector: the class guesses
 """
 ANSWERS = """# Answers for teachers
 
-The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers are those of
-the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws its numbers anew in
-every run: here is one draw.
+The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers are those
+of the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws its
+numbers anew in every run: here is one draw.
 
 """
 
@@ -125,7 +129,9 @@ def _plans(groups: list[tuple[Course, list[Lesson]]]) -> str:
         for number, (title, names, exercise) in enumerate(WEEKS, 1)
     ]
     demo = [f"| {length} | {shown(names)} | {what} |" for length, names, what in DEMO]
-    left = sorted({courses[name] for name in minutes.keys() - {each for _, names, _ in WEEKS for each in names.split()}})
+    left = sorted(
+        {courses[name] for name in minutes.keys() - {each for _, names, _ in WEEKS for each in names.split()}}
+    )
     unplanned = f"What it leaves out, of {' and '.join(left)}, is for those who want more." if left else ""
     return PLANS.format(unplanned=unplanned, weeks="\n".join(weeks), demo="\n".join(demo))
 
@@ -134,10 +140,16 @@ def _course(course: Course, lessons: list[Lesson]) -> str:
     """Return the page of a course: what each lesson asks."""
     parts = [f"# {course.title}\n\n{course.aims} Assumed: {course.assumes[:1].lower()}{course.assumes[1:]}\n"]
     for lesson in lessons:
-        parts.append(f"## {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n")
+        parts.append(
+            f"## {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n"
+        )
         parts += [f"- **{step.title}.** {' '.join(step.question.split())}" for step in lesson.steps]
         parts.append("")
     return "\n".join(parts).rstrip() + "\n"
+
+
+def _opening(lesson: Lesson) -> str:
+    return f"Lesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes."
 
 
 def _answers_page() -> str:
@@ -179,10 +191,7 @@ def _check(step: Step) -> str:
 
 def _lesson(lesson: Lesson) -> str:
     steps = [_step(*each) for each in states_of(lesson)]
-    return (
-        f"### {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n\n"
-        + "\n".join(steps)
-    )
+    return f"### {lesson.title}\n\n{_opening(lesson)}\n\n" + "\n".join(steps)
 
 
 def _step(step: Step, start: LessonState, end: LessonState) -> str:

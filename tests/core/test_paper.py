@@ -12,7 +12,9 @@ from insonify.scene.water.sound_speed import paper
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "theory" / "paper.md").read_text(encoding="utf-8")
-ROWS = [re.split(r" *\| *", line.strip("| ")) for line in PAGE.split("## Slips")[0].splitlines() if line.startswith("| ")]
+ROWS = [
+    re.split(r" *\| *", line.strip("| ")) for line in PAGE.split("## Slips")[0].splitlines() if line.startswith("| ")
+]
 NAMED = re.compile(r"`([^`]+)`")
 
 

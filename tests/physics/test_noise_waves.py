@@ -183,7 +183,7 @@ def test_scatterers_interfere_with_noise(bins, ratio):
 
 
 def test_thermal_noise_exceeds_that_of_the_wind_from_39_kilohertz_in_a_calm_and_65_in_three_knots():
-    """37 log f = 170 + √(21 u), f in Hz and u in knots: Wenz (1962) and Mellen (1952) as docs/theory/speckle.md has them."""
+    """37 log f = 170 + √(21 u), f in Hz and u in knots: Wenz (1962), Mellen (1952)."""
     for knots, crossing in ((0.0, 39.3e3), (3.1, 65.0e3)):
         found = 10.0 ** ((170.0 + np.sqrt(21.0 * knots)) / 37.0)
         assert found == pytest.approx(crossing, rel=5e-3)

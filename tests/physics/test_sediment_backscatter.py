@@ -108,7 +108,7 @@ def test_volumes_return_as_the_sine_at_any_frequency_and_roughness_rises_with_it
 
 
 def test_the_volume_is_the_sum_over_depth_of_what_enters_is_scattered_and_leaves():
-    """σ_v = |1 + V|⁴/ρ² ∫ σ₂ a exp(−4 k Im P z) dz, with the attenuation a = (20/ln 10) k δ/ν in dB/m, by quadrature."""
+    """σ_v = |1 + V|⁴/ρ² ∫ σ₂ a exp(−4 k Im P z) dz, with the attenuation a = (20/ln 10) k δ/ν in dB/m."""
     frequency, angles = 100e3, np.radians([15.0, 40.0, 70.0])
     k = 2.0 * math.pi * frequency / 1500.0
     for sand in (SAND, SAND._replace(density=1.2, speed_ratio=0.98, loss=0.004)):

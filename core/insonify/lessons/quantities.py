@@ -136,7 +136,7 @@ def _backscatter(scene: Scene, grazing: float) -> float:
 
 
 def _looks_spread(_: Scene, looks: float) -> float:
-    """Standard deviation of the level of a gamma-distributed mean: the logarithm has the variance ψ′(n)."""
+    """Return the standard deviation of the level of a gamma-distributed mean, whose logarithm has the variance ψ′(n)."""
     from scipy.special import polygamma  # lazy: takes longer to import than most questions
 
     return 10.0 / math.log(10.0) * math.sqrt(float(polygamma(1, looks)))
@@ -284,7 +284,8 @@ QUANTITIES: dict[str, Quantity] = {
                             lambda scene: scene.water.surface.rms_height),
     "tracked_altitude": Quantity(
         (), "median altitude that the record shows by itself, in the speed that the recorder counts with (m)",
-        lambda scene: scene.altitude * _speed(scene) / _sonar_speed(scene), lambda *read: float(np.median(_track(*read))),
+        lambda scene: scene.altitude * _speed(scene) / _sonar_speed(scene),
+        lambda *read: float(np.median(_track(*read))),
     ),
     "track_error": Quantity(
         (), "greatest difference between tracked and true altitude, of nineteen of twenty pings (m)",

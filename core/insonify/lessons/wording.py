@@ -1,4 +1,4 @@
-"""Texts of a lesson with numbers computed from its scene: ``{altitude()} m``, with two decimals ``{altitude():2} m``."""
+"""Texts of a lesson with numbers computed from its scene: ``{altitude()} m``, or ``{altitude():2} m`` to centimetres."""
 
 import hashlib
 import re
@@ -25,7 +25,7 @@ def fill_in(lesson: Lesson, run: str = "") -> Lesson:
 
 
 def write_out(text: str, reader: Reader) -> str:
-    """Return a text with the values of its expressions, a field as it is and others to three digits where decimals are not named."""
+    """Return a text with the values of its expressions: a field as it is, others to three digits if not to decimals."""
 
     def value(blank: re.Match[str]) -> str:
         expression = parse_expression(blank[1])

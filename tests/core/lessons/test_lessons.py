@@ -176,7 +176,7 @@ def test_a_blank_is_a_field_as_it_is_or_a_value_to_three_digits(text, written):
     state = LessonState(load_scene("default"))
     before = LessonState(edit(state.scene, {"track.altitude": 7.0}))
     if written is None:
-        with pytest.raises(SceneError, match="correct|join|missing|comparison"):
+        with pytest.raises(SceneError, match=r"correct|join|missing|comparison"):
             write_out(text, state.reader(before))
     else:
         assert write_out(text, state.reader(before)) == written
@@ -525,8 +525,7 @@ def test_quantities_agree_with_what_is_written_of_them_and_with_a_record():
         ("sea_speed", 10.0, 35.0, 0.0): 1489.789,
         ("sea_temperature", 1450.05, 0.0): 10.70,
         ("sea_temperature", 1450.0, 35.0): 0.2129,
-        ("backscatter", 30.0): 10.0
-        * math.log10(scene.seabed.material.reflectivity_at(100e3).diffuse / math.pi * 0.25),
+        ("backscatter", 30.0): 10.0 * math.log10(scene.seabed.material.reflectivity_at(100e3).diffuse / math.pi * 0.25),
     }
     found = {(name, *arguments): QUANTITIES[name].compute(scene, *arguments) for name, *arguments in expected}
     assert found == pytest.approx(expected, rel=2e-3)
