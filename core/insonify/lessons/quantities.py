@@ -136,7 +136,7 @@ def _backscatter(scene: Scene, grazing: float) -> float:
 
 
 def _looks_spread(_: Scene, looks: float) -> float:
-    """Return the standard deviation of the level of a gamma-distributed mean, whose logarithm has the variance ψ′(n)."""
+    """Return the standard deviation of the level of the mean of looks, whose logarithm has the variance ψ′(n)."""
     from scipy.special import polygamma  # lazy: takes longer to import than most questions
 
     return 10.0 / math.log(10.0) * math.sqrt(float(polygamma(1, looks)))

@@ -1,4 +1,4 @@
-"""Texts of a lesson with numbers computed from its scene: ``{altitude()} m``, or ``{altitude():2} m`` to centimetres."""
+"""Texts of a lesson with numbers computed from its scene: ``{altitude()} m``, with decimals ``{altitude():2} m``."""
 
 import hashlib
 import re
