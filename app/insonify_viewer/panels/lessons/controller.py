@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 from insonify.files import bundled_scenes
-from insonify.io.atomic import write_text
 from insonify.lessons.lesson import Lesson, load_lessons
 from insonify.lessons.quantities import CHANNEL_SIDES
 from insonify.lessons.states import AUTOMATIC, LessonState, split_move, subject_of
@@ -89,7 +88,9 @@ class LessonsPanel(Panel):
     def entries(self) -> list[Entry]:
         """List the lessons for the command palette."""
         return [
-            Entry("Lesson", each.title, each.introduction, partial(self._begin_in_panel, each))
+            Entry(
+                "Lesson", each.title, "; ".join(step.title for step in each.steps), partial(self._begin_in_panel, each)
+            )
             for each in load_lessons()
         ]
 
@@ -166,16 +167,16 @@ class LessonsPanel(Panel):
         self.view.setCurrentWidget(self.view.summary)
 
     def save(self) -> None:
-        """Write the page to hand in, with pictures of the record beside it."""
+        """Write the page to hand in, with pictures of the record."""
         if self._shown is None:
             return
         worksheet = self._shown.worksheet
-        suggestion = f"{worksheet.lesson.name}.md"
-        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, [("Markdown", ".md")])
+        suggestion, formats = f"{worksheet.lesson.name}.pdf", [("PDF", ".pdf"), ("Markdown", ".md")]
+        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, formats)
         if path is None:
             return
         try:
-            write_text(path, worksheet.to_markdown(self.view.save_pictures(worksheet.lesson.name, path)))
+            self.view.save_page(worksheet, path)
         except OSError as error:
             self._workbench.complain(error)
         else:
