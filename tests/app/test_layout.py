@@ -19,7 +19,7 @@ from insonify.scene import bundled_scenes, edit, load_scene, scene_from_toml
 from insonify_viewer.application import enlarge_text
 from insonify_viewer.panels.panel import Entry
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
+from insonify_viewer.record.projection import Projection, Zoom, name_scale
 from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
 from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.state.sections import sections_of
@@ -87,12 +87,9 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_a_plot_is_at_true_scale_where_it_fits_and_metres_towed_are_written_to_tenths():
+def test_the_scale_is_named_and_metres_towed_are_written_to_tenths():
     room = QRect(64, 24, 500, 700)
-    plot = plot_at_true_scale(room, 100.0, 100.0)
-    assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
-    assert name_scale(plot, 100.0, 100.0) == "1 : 1"
-    assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
+    assert name_scale(room, 140.0, 100.0) == "1 : 1"
     names = {20.0: "track × 7", 1400.0: "track ÷ 10", 1.25: "track × 112", 56.0: "track × 2.5"}
     assert {along: name_scale(room, along, 100.0) for along in names} == names
     written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
@@ -128,20 +125,26 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
         assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
 
 
-def test_the_record_is_at_true_scale_and_leaves_no_empty_room_and_panels_stay_in_the_window(open_viewer, small, qtbot):
+def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     window, waterfall, lessons = viewer.window, viewer.window.waterfall, viewer.panels["lessons"].widget
-    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
-    # 100 pings of 0.2 m; 40 bins of 0.5 m.
-    assert other.y() - one.y() == pytest.approx(other.x() - one.x(), rel=0.03)
+    filled, whole = waterfall.plot_area, Zoom()
+    assert waterfall.projection.zoom == whole
+    viewer.session.show(scale="true")
+    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(480, 1, 8))
+    # 20 pings of 0.2 m; 8 bins of 0.5 m.
+    assert other.y() - one.y() == pytest.approx(other.x() - one.x(), abs=2)
+    assert waterfall.plot_area == filled
+    viewer.session.show(scale="fill")
     viewer.session.settle({"track.speed": 1.0})
     assert waterfall.mark_at(waterfall.place_of(Mark(500, 1, 0))) == Mark(500, 1, 0)
     viewer.session.undo()
     window.resize(1560, 980)
     qtbot.waitUntil(lambda: waterfall.height() > 800)
     plot, area = waterfall.plot_area, waterfall.trace_area()
-    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
     assert plot.height() + area.height() > 0.85 * waterfall.height()
+    assert plot.width() >= waterfall.width() - 110, "but for the rulers"
+    assert area.height() <= 0.2 * waterfall.height()
     # Panels at both sides stay within the window, and return to their places.
     shown = [viewer.panels["parameters"].widget, waterfall]
     for width in (780, 900, 1000, 1600, 900):

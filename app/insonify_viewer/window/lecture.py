@@ -192,7 +192,8 @@ class _PresetButton(QPushButton):
     """Button whose text ends in dots where it is too long."""
 
     def __init__(self, text: str) -> None:
-        super().__init__(focusPolicy=Qt.FocusPolicy.TabFocus)
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setObjectName("small")
         self.setToolTip(literal(f"{text} (a right click renames it)"))
         self.setAccessibleName(text)
