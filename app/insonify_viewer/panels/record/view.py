@@ -55,7 +55,7 @@ TICKS = (  # option, label, key, what it does
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    ("scale", "scale", SCALES, "fill: the whole record; true: a part of it, at equal scale along and across the track (T)"),
+    ("scale", "scale", SCALES, "fill: all of the record; true: a part, a metre as long along as across the track (T)"),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
