@@ -24,7 +24,7 @@ from insonify_viewer.record.record_overlays import draw_measured, draw_range_rul
 from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
-from insonify_viewer.widgets.theme import Theme, apply_theme
+from insonify_viewer.widgets.theme import RAISED, Theme, apply_theme
 from insonify_viewer.window.command_palette import find_entries
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 
@@ -96,10 +96,29 @@ def test_the_scale_is_named_and_metres_towed_are_written_to_tenths():
     assert {given: write_towed(*given) for given in written} == written
 
 
+ENDS = [((30, 40), (60, 40)), ((380, 150), (340, 150)), ((200, 290), (201, 20)), ((20, 9), (390, 9))]
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_what_is_measured_stands_beside_its_line(ends, qapp):
+    image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(0, 0, 400, 300)
+    image.fill(0)
+    first, last = (QPoint(*end) for end in ends)
+    with QPainter(image) as painter:
+        draw_measured(painter, plot, (first, last), "2.90 m on the bed\nslant range 2.00 m")
+    drawn = colours_of(image) == (RAISED.rgb() & 0xFFFFFF)
+    (x, y) = (np.flatnonzero(drawn.any(axis=axis)).tolist() for axis in (0, 1))
+    found = QRect(QPoint(x[0], y[0]), QPoint(x[-1], y[-1]))
+    assert plot.contains(found)
+    assert not found.intersects(QRect(first, last).normalized())
+
+
 def test_a_measurement_stays_within_a_narrow_record(qapp):
     image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(100, 0, 190, 300)
     image.fill(0)
-    words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
+    words = (
+        "2.90 m on the bed: 0 m along the heading of 90°, 2.9 m across\nas a shadow: target 1.08 m high, 1.2 m if round"
+    )
     with QPainter(image) as painter:
         draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     drawn = colours_of(image)
