@@ -169,6 +169,14 @@ def test_a_click_into_a_recording_tells_of_its_pixel_and_explains_none_of_the_si
     assert f"at {ground:.2f} m ground range, grazing angle {np.degrees(np.arcsin(altitude / slant)):.1f}°" in said
     assert "dB re median at its range" in pixel.sentence.text()
     assert "in the water column" in explain_point(recording, Mark(250, 0, 2))[1]
+    # The same place of the simulated record is one click away.
+    live, links = viewer.window.waterfall, viewer.comparison.links
+    assert pixel.same_place.isVisible()
+    pixel.same_place.click()
+    same = links.find_place(view, live, found)
+    assert viewer.inspection.mark == same
+    assert same is not None
+    assert not pixel.same_place.isVisible()
     # Where it is wiped over the live record, too.
     live, overlay = viewer.window.waterfall, viewer.window.overlay
     narrow = live.width()

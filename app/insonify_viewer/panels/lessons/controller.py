@@ -19,7 +19,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
-FRAME = {"side": "both", "scale": "fit"}  # of the record, where a lesson asks for nothing else
+FRAME = {"side": "both", "scale": "fill"}  # of the record, where a lesson asks for nothing else
 
 
 class LessonsPanel(Panel):
