@@ -34,9 +34,9 @@ DOCS = Path(__file__).resolve().parents[1]
 GENERATED: dict[str, Callable[[], str]] = {
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
-    "howto/courses.md": courses.page,
     "howto/index.md": reference.howto_page,
     "architecture/rooms.md": packages.page,
+    **courses.pages(),
 }
 TIMES = re.compile(
     r" +(-|[\d.]+(e[+-]?\d+)? µs)$", re.MULTILINE
