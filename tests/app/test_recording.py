@@ -340,7 +340,7 @@ def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_th
 def test_a_long_recording_is_played_from_its_file_until_that_is_gone(viewer, folder, tmp_path, qtbot, monkeypatch):
     whole = recording_module.load_recording(str(folder / "record.xtf"))
     monkeypatch.setattr(recording_module, "MOST_IN_MEMORY", 0)
-    monkeypatch.setattr(io_recording, "FEW", 0)
+    monkeypatch.setattr(io_recording, "FEW_ECHOES", 0)
     path = tmp_path / "record.xtf"
     path.write_bytes((folder / "record.xtf").read_bytes())
     recording = open_recording(viewer, path, qtbot)

@@ -22,7 +22,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 
 
 class TargetGroup(Declaration):
-    """Targets of one class, drawn anew for every scene."""
+    """Targets of one class, drawn again for every scene."""
 
     name: Name = parameter(description="class of the targets in annotations")
     of: tuple[Drawn, ...] = parameter(
