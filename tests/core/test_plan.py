@@ -14,9 +14,9 @@ from pydantic import ValidationError
 from drawn_scenes import scenes
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
-from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import Case
-from insonify.planning.probe import FEW, MOST, add_loud_pings, trace_model
+from insonify.planning.case import Case
+from insonify.planning.effects import BY_SUBJECT
+from insonify.planning.probe import MEASURED, MOST, add_loud_pings, trace_model
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings, spread_over_track
 from insonify.planning.selection import check_request, choose_for_case, choose_model
 from insonify.scene import Scene, SceneError, edit, load_scene
@@ -146,13 +146,12 @@ def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, mon
 @pytest.mark.parametrize(("method", "field", "steps"), [("march", "step", -2), ("rays", "rays", 3)])
 def test_errors_predicted_beyond_those_measured_are_near_them(method, field, steps, monkeypatch):
     case = Case(pack(edit(DEFAULT, {"sonar.bins": 200})), method, {})
-    choice = next(one for one in CHOICES if one.field == field)
     start = Model(method, rays=200 if method == "march" else 8000, step=0.1 * (method == "march"))
     fine = start._replace(**{field: getattr(start, field) * 2**steps})
-    measured = choice.error(case, fine)
-    monkeypatch.setattr(probe, "MOST", FEW * case.work(start._replace(rays=2 * start.rays)) * 2.0)
-    assert choice.error(case, fine) == pytest.approx(measured, rel=0.5)
-    assert choice.error(case, fine) != measured
+    measured = BY_SUBJECT[field].error(case, fine)
+    monkeypatch.setattr(probe, "MOST", MEASURED * case.work(start._replace(rays=2 * start.rays)) * 2.0)
+    assert BY_SUBJECT[field].error(case, fine) == pytest.approx(measured, rel=0.5)
+    assert BY_SUBJECT[field].error(case, fine) != measured
 
 
 COHERENT = {"receiver.speckle": "coherent"}

@@ -112,6 +112,11 @@ def percent(error: float) -> str:
     return f"{float(f'{100.0 * error:.2g}'):g} %"
 
 
+def counted(number: int, noun: str) -> str:
+    """Write a number of things: "1 plane", "2 planes"."""
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
 def _share(error: float) -> str:
     return "-" if error <= 0.0 else percent(error)
 
