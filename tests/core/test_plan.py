@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drawn_scenes import scenes
+from insonify.explanation.plan_page import write_plan_page
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
 from insonify.planning.case import Case
 from insonify.planning.effects import BY_SUBJECT
+from insonify.planning.plan_entries import percent
 from insonify.planning.probe import MEASURED, MOST, add_loud_pings, trace_model
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings, spread_over_track
 from insonify.planning.selection import check_request, choose_for_case, choose_model
@@ -391,6 +393,42 @@ def test_a_face_that_glints_into_few_pings_is_among_them_and_a_level_bed_has_non
     assert ((added > 18.0) & (added < 28.0)).all()
     level = pack(edit(BARE, {"seabed.relief": "flat"}))
     assert (add_loud_pings(level, chosen(level.scene)).all == chosen(level.scene).all).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "place"),
+    [
+        ("default", {}, "the pipe, targets.0"),
+        ("pipe-on-bed", {"sonar.beam": {"kind": "fan", "width": 1.0}, "track.pings": 60}, ""),
+        ("ripples", {"track.pings": 40}, ""),
+    ],
+)
+def test_the_page_of_a_plan_states_the_numbers_of_its_record(name, changes, place):
+    scene = edit(load_scene(name), changes)
+    page = "\n".join(write_plan_page(scene))
+    found = prepare(scene).record_whole(False, None).columns
+    errors, planes = found["ping_error"], found["planes"]
+    assert f"Error      {percent(float(found['record_error']))} of the record; {percent(errors.max())} of ping " in page
+    assert f"of ping {int(errors.argmax())}, the worst" in page
+    least, most = planes.min(), planes.max()
+    counts = f"{least} least, {int(np.median(planes))} median, {most} most"
+    assert (counts if least < most else f"{most} across the beam in every ping") in page
+    assert place in page
+    for line, entry in ((line, entry) for line in page.splitlines() for entry in plan(scene).entries):
+        if line.strip().startswith(entry.choice) and not entry.modelled:
+            assert f" {percent(entry.error)} (" in line
+    assert all(len(line) <= 80 for line in page.splitlines())
+
+
+def test_a_page_says_which_cheaper_model_is_not_taken_and_why():
+    next_cheaper = " ".join(write_plan_page(edit(load_scene("ghosts"), {"track.pings": 24}))).partition(
+        "Next cheaper: "
+    )[2]
+    error, allowed = map(float, re.search(r"errs by ([\d.]+) % and may err by ([\d.]+) %", next_cheaper).groups())
+    assert error > allowed == 0.5
+    knife = write_plan_page(edit(BARE, {"sonar.beam": "knife", "seabed.relief": "flat", "track.pings": 8}))
+    assert knife[-1] == "Next cheaper: none; nothing more can be left out of this scene"
+    assert not any(line.startswith("Planes") for line in knife) or "1 across the beam" in "".join(knife)
 
 
 TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)

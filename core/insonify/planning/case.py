@@ -199,8 +199,8 @@ class Case:
     def whole_segments_bound(self) -> float:
         """Bound on the error of whole segments in planes along the grid, with lobes near nadir alone; else infinite.
 
-        An eighth of the change of density from end to end of a segment: by its range, by the twist of its cell, and near
-        nadir, which counts a third, by its turn within the lobe. Derived in docs/theory/sweep.md.
+        An eighth of the change of density from end to end of a segment: by its range, by the twist of its cell, and by
+        its turn within the lobe near nadir, which counts a third. Derived in docs/theory/sweep.md.
         """
         scene, arrays = self.scene, self.packed.arrays
         askew = abs((scene.track.heading + 45.0) % 90.0 - 45.0) + math.degrees(arrays.half_width)

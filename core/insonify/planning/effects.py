@@ -30,6 +30,7 @@ PINGS_OF_MOST_RAYS = 4  # pings traced with the most of them, a second of one co
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 NEARER = 1.0 / 3.0  # weight of the error over all bins, the strong ones near nadir too: three times the tolerance
 DIVISIONS = (math.inf, 0.03, 0.01, 0.003)  # share of a bin's echo that a segment may misplace
+REFUSED = 2.0  # times its share by which the least error of a setting refuses it unmeasured
 HALVINGS = 7  # of the march's step, from a cell of the bed
 
 
@@ -77,7 +78,7 @@ class Effect:
         """Error of a model's setting: its bound where that decides whether it may be chosen, otherwise as measured."""
         lower, upper = (0.0, math.inf) if self.subject in case.forced else self.closed(case, model)
         most = self.share * tolerance
-        return upper if upper <= most else lower if lower > most else self.error(case, model)
+        return upper if upper <= most else lower if lower > REFUSED * most else self.error(case, model)
 
     def values(self, case: Case, model: Model) -> tuple[Any, ...]:
         """Values of the field to consider with the choices already made, coarse to fine; one if there is no choice."""
@@ -384,8 +385,8 @@ def _spacing_error(case: Case, model: Model) -> float:
 
 
 def _spacing_closed(case: Case, model: Model) -> tuple[float, float]:
-    """Half of the first order, beyond which it is not measured; nothing for every node."""
-    return (0.0, 0.0) if model.every == 1 else (0.5 * _lost_slopes(case, model.every), math.inf)
+    """Bounds: the first order, which is not measured where it is far beyond what is allowed."""
+    return (0.0, 0.0) if model.every == 1 else (_lost_slopes(case, model.every), math.inf)
 
 
 def _say_spacing(case: Case, model: Model, error: float) -> Said:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import takewhile
+from typing import NamedTuple
 
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.case import Case
@@ -87,7 +88,12 @@ def _check_method(scene: Scene, method: str, bounces: int) -> None:
 
 def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Mapping[str, str]) -> Plan:
     """Choose the model of a packed scene, with the parameters of `plan`."""
-    return choose_for_case(Case(packed, _requested(method, forced), forced), tolerance)
+    return choose_for_case(make_case(packed, method, forced), tolerance)
+
+
+def make_case(packed: PackedScene, method: str, forced: Mapping[str, str]) -> Case:
+    """Case of a packed scene, with the parameters of `plan`."""
+    return Case(packed, _requested(method, forced), forced)
 
 
 def choose_for_case(case: Case, tolerance: float) -> Plan:
@@ -143,7 +149,7 @@ def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
     """Keep the plan of a similar scene where the geometry of this one admits it, without measuring anything."""
-    case, model = Case(packed, _requested(method, forced), forced), Model()
+    case, model = make_case(packed, method, forced), Model()
     for row in STAGED:
         values, value = row.values(case, model), getattr(last.model, row.field)
         if row.field == "ways":  # each row sets one of them
@@ -151,6 +157,37 @@ def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str,
         model = model._replace(**{row.field: value if value in values else values[-1]})
         _require(case, row, model)
     return last if model == last.model else Plan(model, goal=last.goal)
+
+
+class Alternative(NamedTuple):
+    """The next coarser setting of one row of a plan, which is not taken."""
+
+    subject: str
+    words: str
+    error: float  # of the setting; of planes that of three quarters of the pings
+    allowed: float  # its share of the tolerance
+    work: float  # of a ping, over that of the plan
+
+
+def list_alternatives(case: Case, made: Plan, tolerance: float) -> list[Alternative]:
+    """List the next coarser setting of each row of a plan that could be coarser."""
+    found, model = [], made.model
+    for row in ROWS:
+        values, value = row.values(case, model), getattr(model, row.field)
+        place = values.index(value) if value in values else 0
+        if place == 0 or row.subject in case.forced:
+            continue
+        coarser = model._replace(**{row.field: values[place - 1]})
+        is_planes = row.subject == "planes" and coarser.planes > 1
+        law = plane_law(case, model.across) if is_planes else None
+        error = row.judge(case, coarser, tolerance) if law is None else law.usual(coarser.planes)
+        said = row.say(case, coarser, error)
+        if said is not None:
+            words = f"{said.choice} to begin with" if is_planes else said.choice
+            words = words if said.modelled else f"without {words}"
+            share = case.work(coarser) / made.work
+            found.append(Alternative(row.subject, words, error, row.share * tolerance, share))
+    return found
 
 
 def _requested(method: str, forced: Mapping[str, str]) -> str:
