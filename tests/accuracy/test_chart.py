@@ -229,7 +229,7 @@ def test_a_power_law_is_found_with_its_spread():
 
 def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
     few = {"SECONDS": 0.5, "TARGETS": (1, 4), "PINGS": (4, 8, 16, 32), "STREAMED": (100, 400, 1600)}
-    few |= {"SIDES": (128, 256, 512), "DIVISIONS": (2, 3), "BINS": (0.5, 1.0, 2.0), "PLANES": (1, 2, 4)}
+    few |= {"BED_NODES": (128, 256, 512), "DIVISIONS": (2, 3), "BINS": (0.5, 1.0, 2.0), "PLANES": (1, 2, 4)}
     for name, values in few.items():
         monkeypatch.setattr(cost, name, values)
     told = []

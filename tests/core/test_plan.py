@@ -500,3 +500,13 @@ def test_a_plan_of_a_rough_bed(seed, tmp_path):
     assert again.settings == chosen.settings
     assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
     assert again.work == chosen.work
+
+
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.25, -0.5])
+def test_the_trend_of_a_record_that_converges_geometrically_is_its_ratio(share):
+    """Aitken's process: changes of a + λⁿ b have the ratio λ, and the limit is λ/(1 − λ) times the last change away."""
+    limit, off = np.arange(40.0), np.linspace(-1.0, 2.0, 40)
+    coarser, coarse, fine = (limit + share**n * off for n in range(3))
+    found = probe._trend(coarser, coarse, fine)
+    assert found == pytest.approx(share)
+    np.testing.assert_allclose(fine - (coarse - fine) * found / (1.0 - found), limit, atol=1e-12)

@@ -43,7 +43,7 @@ from insonify_viewer.window.menus import (
     make_combo,
 )
 from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
-from insonify_viewer.window.scene_menu import SceneMenu
+from insonify_viewer.window.scene_menu import SceneButton
 from insonify_viewer.window.settings import Settings
 from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
@@ -260,7 +260,7 @@ class MainWindow(QMainWindow):
         self.new_scene = make_action(self, "New…", "Put a scene together from bed, sonar, track and targets", key.New)
         self.open_recording = make_action(self, "Open a recording…", "Open a recording", "Ctrl+Shift+O")
         self.addActions([self.new_scene, self.open_scene, self.open_recording])
-        self.scenes = SceneMenu(self.open_scene, self.open_recording)
+        self.scenes = SceneButton(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         tip = "Replace the bed by a grid of measured heights"
         self.open_dem = make_action(self, "Open a measured bed…", tip, "Ctrl+D")
@@ -331,7 +331,7 @@ class MainWindow(QMainWindow):
     def _fill_menus(self) -> None:
         """Put every command into the menus, before those of panels."""
         menus = self.menus
-        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.add("File", "Scenes…", self.scenes.toolTip(), do=self.scenes.show_pictures)
         menus.group("File", [self.new_scene, self.open_scene, self.open_recording, self.open_dem])
         tip = "Open a file of contacts, which replaces the list"
         self.open_contacts = menus.add("File", "Open contacts…", tip)

@@ -118,14 +118,15 @@ def _describe_choices(case: Case, plan: Plan, tolerance: float) -> list[str]:
     alternatives = list_alternatives(case, plan, tolerance)
     without = {each.subject: each.error for each in alternatives if each.subject != "planes"}
     lines = []
-    for title, change, modelled in (("Modelled", "without it", True), ("Left out", "changes", False)):
+    for title, head, modelled in (("Modelled", "without it", True), ("Left out", "changes", False)):
         entries = [entry for entry in plan.entries if entry.modelled is modelled and entry.subject in BY_SUBJECT]
         if entries:
-            lines.append(f"{title:<44}{change:>20}{'a ping':>14}")
+            lines.append(f"{title:<44}{head:>20}{'a ping':>14}")
         for entry in entries:
             error = without.get(entry.subject, 0.0) if modelled else entry.error
             name = f"  {entry.choice}{' (forced)' if entry.forced else ''}"
-            lines.append(f"{name:<44}{_change(error):>20}{_seconds(entry.cost) if entry.cost else '':>14}".rstrip())
+            change = _change(error) if error > 0.0 or modelled or entry.forced else "nothing"
+            lines.append(f"{name:<44}{change:>20}{_seconds(entry.cost) if entry.cost else '':>14}".rstrip())
     return [*lines, "", *textwrap.wrap(_describe_next(alternatives), WIDTH, subsequent_indent="  ")]
 
 

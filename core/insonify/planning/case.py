@@ -143,7 +143,7 @@ class Case:
         return self.bent and self.probe.folds(self.whole)
 
     def choose_tracer(self, model: Model) -> str:
-        """Name of the first tracer that a plan may choose by itself for a model's bounces and refraction."""
+        """Name of the first tracer that a plan may choose for a model's bounces and refraction."""
         along = model.bent and self.scene.water.varies_along
         tracers = ((name, find_tracer(name)) for name in list_methods()[1:])
         return next(

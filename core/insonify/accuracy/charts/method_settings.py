@@ -18,7 +18,7 @@ from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses, take_poses
 from insonify.tracers import march, rays, sweep
 
-STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
+MARCH_STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
 RAYS = (250, 1000, 4000, 16000)
 MANY_RAYS = (64000, 256000)  # in addition where rays are straight; along arcs they take too long
 PLANES = (1, 2, 4, 8, 16, 32, 64)
@@ -68,7 +68,7 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
     if arrays.bounces:
         return ray_settings("rays", arrays, RAYS)
     counts = RAYS if arrays.water.bent else RAYS + MANY_RAYS
-    out = march_settings(arrays, STEPS) + ray_settings("rays", arrays, counts)
+    out = march_settings(arrays, MARCH_STEPS) + ray_settings("rays", arrays, counts)
     if not explain_omission(arrays, poses):
         scene = TriangulatedScene(arrays, poses)
         out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(scene.trace, rays=count)) for count in RAYS]

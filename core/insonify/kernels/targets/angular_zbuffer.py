@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_on_demand, kernel_separate
+from insonify.compiler.jit import INTEGER, inlined_uncounted, kernel, kernel_separate
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import SPHERE, Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid, solid_distance_bound
@@ -46,7 +46,10 @@ NO_PRIMITIVE = -1
 
 @inlined_uncounted
 def meet_body(body, count, normals, distance, incidence, lean):
-    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane."""
+    """Slant range of a body along many rays of its plane, and the inward normal there, as parts within the plane.
+
+    ``distance`` and ``incidence`` enter as cosine and sine of the launch angles, which are not needed afterwards.
+    """
     # The arithmetic of `meet_primitive` without branches, which would keep the compiler from its vector units: ray by
     # ray, the z-buffer of a pipe takes four times as long.
     source = body.source
@@ -233,7 +236,7 @@ def _cut_solids(solids, plane, reach, height, zbuffer):
     return primitives
 
 
-@kernel_on_demand(INTEGER)
+@kernel_separate(INTEGER)
 def _cut_mesh(mesh, first_body, plane, bent, reach, zbuffer, primitives):
     """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer."""
     # Where sound is straight, triangles of closed bodies that face away are left out: others lie before them.

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.io.atomic import write_text
 from insonify.lessons.courses import Course, group_lessons
 from insonify.lessons.lesson import Lesson
 from insonify.lessons.questions import Grade, Verdict
@@ -26,7 +27,7 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make, make_label, push_button
 from insonify_viewer.widgets.layouts import fill
-from insonify_viewer.widgets.save_dialogs import save_pixmap
+from insonify_viewer.widgets.save_dialogs import print_markdown, save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.widgets.theme import TEXT, lecture_scale
 
@@ -60,13 +61,17 @@ class LessonsView(QStackedWidget):
         """Keep a picture of the record at the end of a step of a lesson."""
         self._pictures.setdefault(lesson, {})[index] = record.grab()
 
-    def save_pictures(self, lesson: str, page: Path) -> dict[int, Path]:
-        """Write the pictures of a lesson beside a page; return their paths by step."""
-        pictures = self._pictures.get(lesson, {})
-        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in pictures}
-        for index, path in paths.items():
-            save_pixmap(pictures[index], path)
-        return paths
+    def save_page(self, worksheet: Worksheet, path: Path) -> None:
+        """Write the page to hand in with its pictures: as PDF, else as Markdown with the pictures beside it."""
+        pictures = self._pictures.get(worksheet.lesson.name, {})
+        names = {index: path.with_name(f"{path.stem}-{index + 1}.png") for index in pictures}
+        markdown = worksheet.to_markdown(names)
+        if path.suffix.lower() == ".pdf":
+            print_markdown(markdown, {names[index].name: picture for index, picture in pictures.items()}, path)
+            return
+        for index, picture in pictures.items():
+            save_pixmap(picture, names[index])
+        write_text(path, markdown)
 
     def enlarge(self, large: bool) -> None:
         """Show text as large as a lecture asks for, or at the usual size."""
