@@ -294,10 +294,13 @@ def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_le
     viewer, panel = open_lessons(RANGE, parse_lesson(one_sided, "port"))
     viewer.session.settle({"track.altitude": 7.0})
     mine = viewer.session.scene
+    assert viewer.saving.unsaved
     monkeypatch.setattr(QMessageBox, "question", Mock(side_effect=AssertionError("asked")))
     panel.view.list.start.click()
     panel.move()
     panel.start("range")
+    panel.move()
+    assert not viewer.saving.unsaved, "what a lesson changes is nobody's work"
     assert panel.progress is not None
     while viewer.session.scene != mine:
         viewer.session.undo()
@@ -318,17 +321,17 @@ def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_le
     # It shows both sides unless it names one, and restores the display.
     keep_display(viewer)
     session, settings = viewer.session, viewer.window.settings
-    session.show(side="starboard", scale="fill")
+    session.show(side="starboard", scale="true")
     mine = session.display
     panel.start("port")
-    assert (session.display.side, session.display.scale, session.display.water_column) == ("port", "fit", False)
+    assert (session.display.side, session.display.scale, session.display.water_column) == ("port", "fill", False)
     panel.start("range")
     assert (session.display.side, session.display.scale, session.display.water_column) == ("both", "true", True)
     panel.leave()
     assert session.display == mine
     panel.start("port")
     viewer.window.close()
-    assert settings.display == {"side": "starboard", "scale": "fill"}, "kept for the next start"
+    assert settings.display == {"side": "starboard", "scale": "true"}, "kept for the next start"
 
 
 def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_half(open_lessons, qtbot, qapp):

@@ -16,7 +16,7 @@ from insonify.scene.water.sound_speed import teos10
 if TYPE_CHECKING:
     from insonify.explanation.sonar_equation import SonarEquation
 
-SIDES = ("port", "starboard")
+CHANNEL_SIDES = ("port", "starboard")
 # −3 dB width of a line array, one-way and two-way, in wavelengths over its length (docs/theory/beam.md).
 THREE_DECIBELS = {
     "uniform": (0.886, 0.638), "cosine": (1.189, 0.851), "hamming": (1.304, 0.929), "taylor": (1.125, 0.804),
@@ -159,7 +159,7 @@ def _dark_stretch(scene: Scene, record: Dataset) -> tuple[float, float]:
     # Of the ping abreast of the first target, on its side.
     across, along = scene.targets[0].position[1] - scene.track.start[1], scene.targets[0].position[0]
     ping = round((along - scene.track.start[0]) / _ping_spacing(scene))
-    side = SIDES[0] if across > 0.0 else SIDES[1]
+    side = CHANNEL_SIDES[0] if across > 0.0 else CHANNEL_SIDES[1]
     edges, intensity = _edges(scene), record.intensity.isel(ping_time=ping).sel(channel=side).to_numpy()
     dark = np.flatnonzero(np.diff(np.concatenate([[1], (intensity > 0.0).astype(int), [1]])))
     starts, ends = dark[::2], dark[1::2]

@@ -7,7 +7,7 @@ from typing import Any
 
 from insonify.files import bundled_scenes
 from insonify.lessons.lesson import Lesson, load_lessons
-from insonify.lessons.quantities import SIDES
+from insonify.lessons.quantities import CHANNEL_SIDES
 from insonify.lessons.states import AUTOMATIC, LessonState, split_move, subject_of
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
@@ -19,7 +19,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
-FRAME = {"side": "both", "scale": "fit"}  # of the record, where a lesson asks for nothing else
+FRAME = {"side": "both", "scale": "fill"}  # of the record, where a lesson asks for nothing else
 
 
 class LessonsPanel(Panel):
@@ -70,6 +70,7 @@ class LessonsPanel(Panel):
         if scene.title != self.progress.start.scene.title:
             self.leave()
         else:
+            self._session.count_as_saved("lesson", scene)  # what a lesson changes is nobody's work
             self._notice()
 
     def record_grown(self, growth: RecordGrowth) -> None:
@@ -230,7 +231,7 @@ class LessonsPanel(Panel):
         sonar = self._session.scene.sonar
         ping = int(point.get("point.ping", self._newest))
         place = int(point["point.slant_range"] / sonar.range * sonar.bins)
-        return Mark(ping, SIDES.index(point.get("point.side", SIDES[0])), place)
+        return Mark(ping, CHANNEL_SIDES.index(point.get("point.side", CHANNEL_SIDES[0])), place)
 
     @property
     def _state(self) -> LessonState:
