@@ -117,9 +117,10 @@ def _check_record(ask: Ask, before: _Simulated, after: _Simulated) -> bool:
         expected = parse_expression(ask.value).number(after.state.reader(before.state))
         found = parse_expression(text).number(reader)
         if expected is None or found is None or abs(found - expected) > ask.tolerance * abs(expected):
+            shown = _shown(found) if text == ask.value else f"{text} is {_shown(found)}"
             raise SceneError(
-                f"ask: {ask.value} is {_shown(expected)}, but {'' if text == ask.value else text + ' is '}{_shown(found)} in "
-                "the simulated record; correct the expression or widen the tolerance"
+                f"ask: {ask.value} is {_shown(expected)}, but {shown} in the simulated record; correct the "
+                "expression or widen the tolerance"
             )
     if ask.holds and not parse_condition(ask.holds).holds(reader):
         raise SceneError(f"ask: {ask.holds!r} does not hold in the simulated record; correct it or the right answer")
