@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import drag, scenes_by_rows
-from PySide6.QtCore import QPoint, Qt
+from controls import drag, finish, scenes_by_rows
+from PySide6.QtCore import Qt
 
 from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
@@ -144,17 +144,16 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
     assert viewer.session.settle(changes)
     assert not [one for one in panel.findChildren(CurvesPicture) if one.isVisible()]
     # A peak is dragged in one step.
-    viewer.open(peaked)
+    finish(viewer, qtbot, viewer.open, peaked)
     undoable = viewer.session.history.undoable
     picture = panel.findChildren(SpectrumPicture)[0]
     panel.ensureWidgetVisible(picture, 0, 0)
-    away = picture.place_of((-20.0, -20.0)).toPoint()
-    qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
+    plot = picture.plot
+    qtbot.waitUntil(lambda: len(plot.marks) == 2)
+    qtbot.wait(20)
+    qtbot.mouseClick(plot.surface, Qt.MouseButton.LeftButton, pos=plot.place_of(-20.0, -20.0))
     assert viewer.session.scene == peaked, "a press beside the peaks moves none"
-    reach = picture.spectrum.reach
-    start = picture.place_of((8.0, 20.0)).toPoint()
-    step = picture.area.width() / (2.0 * reach)
-    drag(picture, start, start + QPoint(round(-16.0 * step), 0))
+    drag(plot.surface, plot.place_of(8.0, 20.0), plot.place_of(-8.0, 20.0))
     moved, still = viewer.session.scene.seabed.relief.peaks
     assert moved == pytest.approx((-8.0, 20.0), abs=1.0)
     assert moved == tuple(float(round(wave)) for wave in moved)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from controls import answer_questions, choose, drag, finish, picture_of, press_shortcut
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
@@ -110,12 +110,11 @@ def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
     assert panel.view.gains[0].field.text() == "4.5 dB"
 
 
-def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel):
+def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel, qtbot):
     histogram, view = panel.view.histogram, viewer.window.waterfall
-    assert histogram._counts.max() == 1.0
+    qtbot.waitUntil(lambda: histogram._counts.max() == 1.0)
     before = picture_of(view).copy()
-    levels, middle = (histogram.ends[1], 20.0), histogram.height() // 2
-    drag(histogram, *(QPoint(round(histogram.place_of(level)), middle) for level in levels))
+    drag(histogram.surface, *(histogram.place_of(level, 0.5) for level in (histogram.ends[1], 20.0)))
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
     assert viewer.session.display.levels[1] == view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
     darker = picture_of(view).copy()

@@ -78,7 +78,7 @@ class RecordPanel(Panel):
         self._workbench.add_actions(view.keys)
         session.displayed.connect(self._show_display)
         view.changed.connect(lambda options: session.show(**options))
-        view.histogram.dragged.connect(self._drag_ends)
+        view.histogram.ends_dragged.connect(self._drag_ends)
         view.measuring.connect(self._measure)
         view.zoomed.connect(self._zoom)
         view.contact_wanted.connect(lambda: self._mark_contact(self._hovered))
