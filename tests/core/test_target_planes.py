@@ -67,10 +67,9 @@ def test_divided_sectors_leave_no_azimuth_out_and_none_twice(planes, across):
     half = math.radians(10.0)
     arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half, solids=[PIPE, BALL])
     laid = lay_planes(arrays, poses_of([0.0, 0.5, 60.0], 0.0, 8.0), planes, across=across)
-    assert sorted(np.concatenate([places for places, _ in laid])) == [0, 1, 2]
-    divided = [fan for places, fan in laid if places.tolist() != [2]]
-    assert len(divided) == 2
-    for fan in divided:
+    assert (laid.last > laid.first).all()
+    assert np.unique(laid.first).size == 3
+    for fan in (laid.of(0), laid.of(1)):
         assert fan.angle.sum() == pytest.approx(math.pi)
         for hand in (1.0, -1.0):
             of_hand = hand * fan.azimuth >= 0.0
@@ -84,7 +83,7 @@ def test_divided_sectors_of_a_pattern_are_those_of_its_planes():
     beam = {"half_width": half, "pattern": gaussian_pattern(half)}
     arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, solids=[BALL], **beam)
     poses = poses_of(0.0, 0.0, 8.0)
-    [(_, whole)], [(_, divided)] = (lay_planes(arrays, poses, 2, across=across) for across in (0, 16))
+    whole, divided = (lay_planes(arrays, poses, 2, across=across).of(0) for across in (0, 16))
     assert divided.azimuth.size > whole.azimuth.size
     assert divided.angle.sum() == pytest.approx(whole.angle.sum())
     assert (divided.s_high - divided.s_low).sum() == pytest.approx((whole.s_high - whole.s_low).sum())
@@ -117,7 +116,9 @@ def test_an_estimated_error_beyond_the_tolerance_is_told():
 def test_the_image_of_a_level_fish_has_the_planes_of_the_fish_and_no_pings_have_none(planes, beam):
     scene = edit(load_scene("ghosts"), {"sonar.beam": beam})
     packed = pack(scene)
-    [(_, fan, image)] = lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(4)), planes)
+    laid = lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(4)), planes)
+    assert all(np.unique(each.first).size == 1 for each in laid)
+    fan, image = (each.of(0) for each in laid)
     for name in ("azimuth", "s_low", "s_high", "angle", "near_field"):
         np.testing.assert_array_equal(getattr(image, name)[: fan.azimuth.size], getattr(fan, name))
     if beam["kind"] == "fan":
@@ -128,7 +129,8 @@ def test_the_image_of_a_level_fish_has_the_planes_of_the_fish_and_no_pings_have_
     np.testing.assert_allclose(image.s_low[order][1:], image.s_high[order][:-1], atol=1e-12)
     assert image.s_low.min() == pytest.approx(-1.0)
     assert image.s_high.max() == pytest.approx(1.0)
-    assert lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), planes) == []
+    none = lay_planes_of_images(packed.arrays, make_poses(scene, packed.ground, np.arange(0)), planes)
+    assert [each.fan.azimuth.size for each in none] == [0, 0]
 
 
 @pytest.mark.parametrize(

@@ -429,7 +429,7 @@ def record_by_stages(simulation: Simulation, ping: int, planes: int) -> list[Rec
         key = id(arrays.reflectivity), reception.coherent, waves
         if key not in kept:
             # The mean energy of the scatterers where the receiver up to a stage is not coherent.
-            tracer, settings = simulation.tracer, simulation.settings_of(planes)
+            tracer, settings = simulation.tracer, simulation.settings_of(np.array([planes]))
             call: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
             if whole.coherent and not reception.coherent:
                 call = sweep.trace

@@ -41,9 +41,12 @@ class TerrainTiles:
         if self._beds is not None and poses.x.size:
             self._beds.make_room(len(np.unique(self._beds.ground.cell(poses.x, poses.y), axis=0)))
 
-    def map(self, trace: Callable[[SceneArrays, Poses], Any], arrays: SceneArrays, poses: Poses) -> Any:
-        """Trace pings tile by tile: an array of the pings, or a tuple of such arrays."""
-        parts = [(some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses)]
+    def map(self, trace: Callable[..., Any], arrays: SceneArrays, poses: Poses, *others: Integers) -> Any:
+        """Trace pings, with other arrays of theirs, tile by tile: an array of the pings, or a tuple of such arrays."""
+        parts = [
+            (some, trace(tile, take_poses(poses, some), *(each[some] for each in others)))
+            for some, tile in self.split(arrays, poses)
+        ]
         if len(parts) == 1:
             return parts[0][1]
         places = np.concatenate([np.asarray(some) for some, _ in parts])

@@ -28,7 +28,7 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.labels.bed_stretches import BEHIND_BED, empty_stretches, split_segment
 from insonify.kernels.labels.shadows import NO_TARGET, label_shadows, open_shadow
 from insonify.kernels.multipath.echo_list import EchoSink
-from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares
+from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares_of_images
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.facets import (
     divide_facet,
@@ -48,7 +48,15 @@ from insonify.kernels.sweep.partial_segments import (
     visible_from,
 )
 from insonify.kernels.sweep.plane_errors import add_plane, finish_side, square_record
-from insonify.kernels.sweep.sweep import aim_plane, begin_measured, can_measure, reach_in_bins, sweep_plane
+from insonify.kernels.sweep.sweep import (
+    aim_plane,
+    begin_measured,
+    can_measure,
+    planes_of,
+    reach_in_bins,
+    shares_planes,
+    sweep_plane,
+)
 from insonify.kernels.sweep.target_echoes import BedHorizon, cell_facet, is_cell_clear, load_cell, visible_facet
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.occlusion import occlusion_of
@@ -118,7 +126,7 @@ class LabelledSegment(NamedTuple):
 
 @kernel
 def label_swept_pings(
-    arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, sums, contributions, shadows, out
+    arrays, poses, laid, image_laid, apparent, contributors, workspace, multipath, sums, contributions, shadows, out
 ):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
@@ -126,8 +134,8 @@ def label_swept_pings(
     ----------
     arrays, poses : SceneArrays, Poses
         n pings.
-    fan, image_fan : AzimuthFan
-        Planes of the sonar's beam, and of its image's in the sea surface.
+    laid, image_laid : LaidPlanes
+        Planes of the sonar's beam, and of its image's in the sea surface, of n pings.
     apparent, contributors : ApparentTables, Contributors
     workspace, multipath, sums : SweepWorkspace, MultipathWorkspace, PlaneSums
     contributions, shadows : ContributorTable, ShadowTable
@@ -137,16 +145,17 @@ def label_swept_pings(
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
     by_surface, stretches = np.zeros(arrays.bins, np.float32), empty_stretches(workspace.zbuffer)
-    shares, factor, is_measured = empty_shares(fan, image_fan), arrays.range_factor, can_measure(fan, out.errors)
+    shares, factor = empty_shares_of_images(laid, image_laid), arrays.range_factor
     no_bins = np.zeros(0, np.float32)
     for ping in range(poses.x.size):
-        grid = prepare_table(apparent, poses.z[ping], workspace.table)
+        grid, fan = prepare_table(apparent, poses.z[ping], workspace.table), planes_of(laid, ping)
+        is_measured = can_measure(fan, out.errors)
         for side in range(2):
             place = out.places[ping]
             intensity = out.traced[place, side]
             missed = out.errors[place : place + 1, side]
             if is_measured:
-                begin_measured(arrays, poses, ping, side, fan, sums, shares)
+                begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
             _note_direct(
                 arrays, poses, ping, side, fan, grid, workspace, stretches, contributions, shadows, bins,
                 sums, shares, is_measured,
@@ -160,7 +169,7 @@ def label_swept_pings(
             if arrays.multipath.enabled:
                 sink = EchoSink(bins, contributions, True)
                 add_multipath(
-                    arrays, poses, ping, side, fan, image_fan, multipath, sink, sums, shares, by_surface, intensity,
+                    arrays, poses, ping, side, laid, image_laid, multipath, sink, sums, shares, by_surface, intensity,
                     missed, no_bins,
                 )  # fmt: skip
             materials = arrays.reflectivity.shape[0]
