@@ -11,10 +11,12 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
+from insonify.explanation.pixel import find_bin_errors
 from insonify.scene import edit, load_scene
 from insonify_viewer.panels.pixel.view import BED as GROUND
 from insonify_viewer.panels.pixel.view import BLOCKED, HEARD, HIDDEN, WATER, heights_shown
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets.theme import ACCENT, MARK, Theme, apply_theme
 
 PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
@@ -92,6 +94,12 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     assert rows["bed, medium sand"] == "100.0 %"
     recorded = viewer._answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
     assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
+    # Its error is the one that is shown under the mouse.
+    errors = find_bin_errors(viewer._answer.simulation, np.array([mark.ping]))
+    assert rows["of this bin"] == format_share(errors[0, mark.side, mark.bin])
+    waterfall.hovered.emit(mark)
+    shown = viewer.panels["error"].widget
+    qtbot.waitUntil(lambda: f"pixel {rows['of this bin']}, this ping" in shown.text())
     # A shadow is explained and drawn.
     sentence = view.sentence
     click(viewer, SHADOW, qtbot)

@@ -96,6 +96,11 @@ class RecordView(SidePanel):
         tip = "Reset all display options, gains and contrast too"
         self.usual = push_button("Usual display", tip, self._show_usual, wide=True)
         self.histogram = HistogramView()
+        tip = (
+            "Lay the estimated error of each bin over the record: clear where there is none, in full colour from three"
+        )
+        self.errors = tick_box("Estimated error", f"{tip} times the tolerance (Shift+E)")
+        self._key("Estimated error", "Shift+E", self.errors.toggle)
         self.measure = tick_box("Measure a line", f"{MEASURE} (M)")
         self.measure.toggled.connect(self.measuring)
         self._key("Measure a line", "M", self.measure.toggle)
@@ -162,8 +167,9 @@ class RecordView(SidePanel):
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         fill_grid(QGridLayout(rows), [row.parts for row in self.choices.values()], 3, margins=(0, 4, 0, 0))
-        grid.addWidget(rows, len(TICKS), 0, 1, 2)
-        grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
+        grid.addWidget(self.errors, len(TICKS), 0)
+        grid.addWidget(rows, len(TICKS) + 1, 0, 1, 2)
+        grid.addWidget(self.usual, len(TICKS) + 2, 0, 1, 2)
 
     def _gain_rows(self) -> QWidget:
         rows = QWidget()
