@@ -15,6 +15,7 @@ from insonify.scene.edit import parse_quantity
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
 from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
+from insonify_viewer.state import sections as field_sections
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.quantities import format_duration, format_quantity, slider_position, slider_value
 from insonify_viewer.state.sections import FieldSection, sections_of
@@ -110,6 +111,23 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     with pytest.raises(SceneError):
         edit(scene, {"targets.9.radius": 1.0})
     assert follow_values(edit(scene, {"targets": []}), sections) is None
+
+
+@pytest.mark.parametrize(("changes", "kept"), [
+    ({"targets.2.radius": 0.7}, 3), ({"seabed.relief": "flat"}, 4), ({"track.pings": 5}, 4), ({"sonar.bounces": 1}, 0),
+    ({"targets.0": {"kind": "box", "position": [0.0, 5.0], "size": [1.0, 1.0, 1.0]}}, 0), ({"sonar.frequency": 1e5}, 0),
+    ({"receiver.speckle": "none"}, None),
+])  # fmt: skip
+def test_sections_of_targets_that_an_edit_leaves_as_they_are_stay_the_same_objects(changes, kept, monkeypatch):
+    def described(scene, known):
+        monkeypatch.setattr(field_sections, "_KNOWN", known)
+        return [section for section in sections_of(scene) if section.key.startswith("targets.")]
+
+    spheres = [{"kind": "sphere", "position": [float(k), 5.0], "radius": 0.5} for k in range(4)]
+    scene, known = edit(load_scene("default"), {"targets": spheres}), {}
+    before, after = described(scene, known), described(edit(scene, changes), known)
+    assert after == described(edit(scene, changes), {}), "whatever was described before"
+    assert kept is None or sum(one is other for one, other in zip(before, after, strict=True)) == kept
 
 
 def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot, monkeypatch):

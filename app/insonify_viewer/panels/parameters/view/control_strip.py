@@ -1,6 +1,7 @@
 """A few fields side by side in large type, for the strip of a lecture."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import islice
 from typing import Any
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
@@ -28,9 +29,9 @@ class ControlStrip(QWidget):
         self._line = fill(QHBoxLayout(self), margins=(8, 0, 8, 0), spacing=APART)
         self._line.addStretch()
 
-    def show_fields(self, fields: Sequence[Parameter], lit: Sequence[str] = ()) -> None:
+    def show_fields(self, fields: Iterable[Parameter], lit: Sequence[str] = ()) -> None:
         """Show the first fields with a number or a choice, and light some of them by their paths."""
-        shown = [field for field in fields if isinstance(field, (NumberField, ChoiceField))][:MOST]
+        shown = list(islice((field for field in fields if isinstance(field, (NumberField, ChoiceField))), MOST))
         structure = tuple((field.path, field.label, getattr(field, "options", ())) for field in shown)
         if structure != self._structure:
             self._structure = structure
