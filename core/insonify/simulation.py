@@ -114,7 +114,7 @@ class Simulation(PackedScene):
         return self.trace_pings(poses).echoes
 
     def trace_pings(self, poses: Poses, *, of_bins: bool = False) -> TracedPings:
-        """Trace pings as `trace` does, each by as many planes as its error requires; find that of bins if wanted."""
+        """Trace echoes and errors, each ping by as many planes as its error requires; errors of bins too if wanted."""
         if not self.estimates_errors:
             planes = np.full(poses.x.size, self.plan.planes, np.int64)
             nothing = empty_squares(poses.x.size), planes, empty_bin_errors(poses.x.size)

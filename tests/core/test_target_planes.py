@@ -148,3 +148,16 @@ def test_azimuths_shared_by_two_directions_of_a_fan(level, tip, level_other, tip
     expected = response * covered.mean() * math.pi
     found = shared_response(pattern, level, tip, 20.0, level_other, tip_other, 25.0)
     assert found == pytest.approx(expected, abs=2e-5)
+
+
+def test_a_glint_summed_at_planes_two_deviations_apart_errs_by_a_part_in_seventy():
+    """The lobe cosⁿ 2α about α = 0 has the deviation 1/(2√n); its sum over such planes errs by 2 exp(−π²/2) at most."""
+    exponent, shifts = 4000, np.linspace(0.0, 1.0, 33)
+    deviation = 0.5 / math.sqrt(exponent)
+    step = 2.0 * deviation
+    planes = (np.arange(-40, 41)[:, None] + shifts) * step
+    sums = step * np.maximum(np.cos(2.0 * planes), 0.0) ** exponent
+    angles = np.linspace(-20.0 * deviation, 20.0 * deviation, 20001)
+    whole = np.trapezoid(np.cos(2.0 * angles) ** exponent, angles)
+    errors = sums.sum(axis=0) / whole - 1.0
+    assert np.abs(errors).max() == pytest.approx(2.0 * math.exp(-0.5 * math.pi**2), rel=0.01)

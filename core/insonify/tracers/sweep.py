@@ -92,7 +92,7 @@ class Sweep(Tracer):
         return 2.0 * planes * profile * (1.0 + path * len(model.ways - {SURFACE_ECHO}))
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
-        """Trace pings as `trace` does."""
+        """Trace pings by the settings of this method."""
         return trace(arrays, poses, **settings)
 
 
