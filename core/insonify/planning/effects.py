@@ -327,11 +327,12 @@ def _segments(case: Case, model: Model, wish: Any) -> tuple[float, ...]:
 
 
 def _segments_error(case: Case, model: Model) -> float:
-    """Error against the next finer division; that of finer ones falls in proportion to the share misplaced."""
+    """Error against the finest division; that of other divisions falls in proportion to the share misplaced."""
+    finest = case.bare._replace(misplaced=DIVISIONS[-1])
     if model.misplaced == math.inf:
-        return case.probe.difference(case.bare, case.bare._replace(misplaced=DIVISIONS[1]), nearer=NEARER)
-    divided = (case.bare._replace(misplaced=share) for share in DIVISIONS[1:3])
-    return case.probe.difference(*divided, nearer=NEARER) * 1.5 * model.misplaced / DIVISIONS[1]
+        return case.probe.difference(case.bare, finest, nearer=NEARER)
+    coarsest = finest._replace(misplaced=DIVISIONS[1])
+    return case.probe.difference(coarsest, finest, nearer=NEARER) * model.misplaced / DIVISIONS[1]
 
 
 def _segments_closed(case: Case, model: Model) -> tuple[float, float]:
@@ -342,7 +343,7 @@ def _segments_closed(case: Case, model: Model) -> tuple[float, float]:
 
 
 def _segments_probes(case: Case) -> tuple[Model, ...]:
-    return () if "segments" in case.forced else (case.bare, case.bare._replace(misplaced=DIVISIONS[1]))
+    return () if "segments" in case.forced else (case.bare, case.bare._replace(misplaced=DIVISIONS[-1]))
 
 
 def _say_segments(case: Case, model: Model, error: float) -> Said | None:
@@ -350,7 +351,7 @@ def _say_segments(case: Case, model: Model, error: float) -> Said | None:
         return None
     if model.misplaced == math.inf:
         reason = f"one angle of incidence for each cell of the bed; {percent(error)} "
-        reason += "at most" if error == case.whole_segments_bound else f"from divided ones on {case.pings}"
+        reason += "at most" if error == case.whole_segments_bound else f"from the finest division on {case.pings}"
         return Said("incidence within cells of the bed", reason, False, model._replace(misplaced=DIVISIONS[1]))
     choice = f"segments divided to {percent(model.misplaced)} of a bin's echo"
     reason = "the angle of incidence varies within each cell of the bed"
