@@ -60,10 +60,10 @@ def _row(outcome: Any, *, why: bool) -> str:
     """Return one row of the table, with the cause of the failure if it is wanted."""
     case, (failing, right, _) = outcome.case, outcome.measured
     cause = f"**{case.name}.** {case.trigger}" if why else case.name
-    plain, ours = (case.quantity.format(each) for each in (failing, right))
+    plain, ours = (case.format(each) for each in (failing, right))
     if why:
-        plain, ours = f"{plain}. {case.failing.does}", f"{ours}. {case.right.does}"
-    return f"| {cause} | {case.quantity.name} | {plain} | {ours} |\n"
+        plain, ours = f"{plain}. {case.failing}", f"{ours}. {case.right}"
+    return f"| {cause} | {case.quantity} | {plain} | {ours} |\n"
 
 
 def _draw(outcome: Any, path: Path) -> None:

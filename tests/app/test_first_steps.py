@@ -127,12 +127,14 @@ def begin(viewer):
 
 def test_five_steps_lead_through_the_window_back_and_out(open_viewer, small, qtbot):
     viewer = open_viewer(small)
-    tour, titles = begin(viewer), []
+    tour, titles, hands = begin(viewer), [], set()
     while tour.card is not None:
         titles.append(tour.card.title.text())
+        hands.add(tour.card.next.mapTo(viewer.window, tour.card.next.rect().bottomRight()).toTuple())
         assert viewer.window.rect().contains(QRect(tour.card.pos(), tour.card.size()))
         assert tour.card.words.height() >= tour.card.words.heightForWidth(tour.card.words.width())
         qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    assert len(hands) == 1, "the button stays under the hand"
     assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
     # It goes back and is skipped while the window stays free.
     tour = begin(viewer)
@@ -141,6 +143,11 @@ def test_five_steps_lead_through_the_window_back_and_out(open_viewer, small, qtb
     qtbot.mouseClick(tour.card.back, Qt.MouseButton.LeftButton)
     assert tour.card.title.text().startswith("1 of 5")
     assert viewer.session.settle({"track.altitude": 7.0})
+    # The frame follows its widget.
+    qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    dock = viewer.window._docks.by_panel["parameters"]
+    viewer.window.resizeDocks([dock], [dock.width() + 40], Qt.Orientation.Horizontal)
+    qtbot.waitUntil(lambda: tour._outline.geometry() == QRect(dock.mapTo(viewer.window, QPoint(0, 0)), dock.size()))
     viewer.window.resize(960, 600)
     assert viewer.window.rect().contains(tour.card.geometry())
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from controls import activate, assert_side_by_side, colours_of, finish, scenes_by_rows
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
@@ -27,6 +27,7 @@ from insonify_viewer.widgets.field_rows import Combo, NameLabel
 from insonify_viewer.widgets.theme import RAISED, Theme, apply_theme
 from insonify_viewer.window.command_palette import find_entries
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
+from insonify_viewer.window.main_window import place_beside
 
 
 @pytest.mark.parametrize("name", scenes_by_rows())
@@ -111,6 +112,12 @@ def test_what_is_measured_stands_beside_its_line(ends, qapp):
     found = QRect(QPoint(x[0], y[0]), QPoint(x[-1], y[-1]))
     assert plot.contains(found)
     assert not found.intersects(QRect(first, last).normalized())
+
+
+@pytest.mark.parametrize(("left", "x"), [(0, 900), (700, 180), (300, 1080), (400, 0)])
+def test_another_window_opens_beside(left, x):
+    screen, window = QRect(0, 0, 1600, 1000), QRect(left, 40, 900, 700)
+    assert place_beside(window, QSize(520, 400), screen) == QPoint(x, 40)
 
 
 def test_a_measurement_stays_within_a_narrow_record(qapp):

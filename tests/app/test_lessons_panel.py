@@ -294,10 +294,13 @@ def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_le
     viewer, panel = open_lessons(RANGE, parse_lesson(one_sided, "port"))
     viewer.session.settle({"track.altitude": 7.0})
     mine = viewer.session.scene
+    assert viewer.saving.unsaved
     monkeypatch.setattr(QMessageBox, "question", Mock(side_effect=AssertionError("asked")))
     panel.view.list.start.click()
     panel.move()
     panel.start("range")
+    panel.move()
+    assert not viewer.saving.unsaved, "what a lesson changes is nobody's work"
     assert panel.progress is not None
     while viewer.session.scene != mine:
         viewer.session.undo()

@@ -153,6 +153,15 @@ def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(v
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
+def test_a_mosaic_is_offered_the_recording_that_is_open(viewer, folder, qtbot, monkeypatch):
+    view, offered = viewer.panels["jobs"].widget, []
+    monkeypatch.setattr(QFileDialog, "getOpenFileNames", lambda *asked: (offered.append(asked[2]), ([], ""))[1])
+    view.mosaic.click()
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    view.mosaic.click()
+    assert offered == ["", str((folder / "record.xtf").resolve())]
+
+
 def test_a_click_into_a_recording_tells_of_its_pixel_and_explains_none_of_the_simulated_record(viewer, folder, qtbot):
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     pixel, view = viewer.panels["pixel"].view, viewer.window.record_a

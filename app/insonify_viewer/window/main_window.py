@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -246,6 +246,7 @@ class MainWindow(QMainWindow):
         widget: QWidget = panel.widget
         if widget.parent() is not self:
             widget.setParent(self, Qt.WindowType.Window)
+            widget.move(place_beside(self.frameGeometry(), widget.size(), self.screen().availableGeometry()))
         widget.show()
         widget.raise_()
         panel.opened(True)
@@ -374,6 +375,14 @@ class MainWindow(QMainWindow):
         action = make_action(self, text, tip, key)
         bar.addAction(action)
         return action
+
+
+def place_beside(window: QRect, size: QSize, screen: QRect) -> QPoint:
+    """Place another window right or left of one; where neither has room, at the side of the screen that has more."""
+    right, left = screen.right() - window.right(), window.left() - screen.left()
+    x = window.right() + 1 if right >= left else window.left() - size.width()
+    x = max(min(x, screen.right() + 1 - size.width()), screen.left())
+    return QPoint(x, max(min(window.top(), screen.bottom() + 1 - size.height()), screen.top()))
 
 
 def name_button(button: QToolButton) -> None:

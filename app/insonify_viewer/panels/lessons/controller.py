@@ -70,6 +70,7 @@ class LessonsPanel(Panel):
         if scene.title != self.progress.start.scene.title:
             self.leave()
         else:
+            self._session.count_as_saved("lesson", scene)  # what a lesson changes is nobody's work
             self._notice()
 
     def record_grown(self, growth: RecordGrowth) -> None:

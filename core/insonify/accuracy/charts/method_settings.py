@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -91,16 +91,10 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
 
 
 def plan_setting(scene: Scene) -> MethodSetting:
-    """Return what the plan chooses for a scene at the usual tolerance, on one thread."""
-    simulation = prepare(scene)
-
-    def trace(poses: Poses) -> Singles:
-        settings = {**simulation.plan.settings, "threads": 1}
-        return simulation.tiles.map(
-            lambda tile, some: simulation.tracer.trace(tile, some, **settings), simulation.reduced, poses
-        )
-
+    """Return the record as it is made at the usual tolerance, on one thread: each ping by the planes that it needs."""
+    simulation = prepare(scene, threads=1)
     planes = simulation.plan.planes
+    trace = cast("Callable[[Poses], Singles]", simulation.trace)
     return MethodSetting(PLAN, f"{planes} plane{'s' * (planes > 1)}", planes, trace)
 
 

@@ -10,8 +10,7 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_separate
-from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, section_solid
+from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, middle_of_section, section_solid
 from insonify.kernels.refraction.apparent_positions import look_up_position
 
 SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are exact and its rays' opening is taken
@@ -145,7 +144,7 @@ def _apparent_source_of_line(line, one_wide, table, grid):
 @inlined_uncounted
 def _apparent_source_of_solid(solids, k, plane, one_wide, table, grid):
     """Apparent source of a convex body, from the ray to the middle of its cross-section."""
-    x, z = _middle_of_section(solids, k, plane)
+    x, z = middle_of_section(solids, k, plane)
     wide, rise, tube, turn = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
@@ -180,21 +179,3 @@ def _wavefront(x, z, table, grid):
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = math.sqrt(seen_x * seen_x + seen_z * seen_z)
     return r, (1.0 + tube) * r
-
-
-@inlined_uncounted
-def _middle_of_section(solids, k, plane):
-    """Ground range and height above the sonar of the middle of a body's cross-section."""
-    x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
-    if solids.shape[k] == SPHERE:
-        return x * plane.ex + y * plane.ey, z
-    # The part of the axis that is nearer to the plane than the body is thick.
-    length, thick = solids.length[k], solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
-    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    across, rate = x * plane.ey - y * plane.ex, ax * plane.ey - ay * plane.ex
-    begin, end = 0.0, length
-    if rate != 0.0:
-        one, other = (-thick - across) / rate, (thick - across) / rate
-        begin, end = max(begin, min(one, other)), min(end, max(one, other))
-    along = min(max(0.5 * (begin + end), 0.0), length)
-    return (x + along * ax) * plane.ex + (y + along * ay) * plane.ey, z + along * az

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QKeySequence, QPixmap, QShortcut
+from PySide6.QtGui import QColor, QIcon, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QBoxLayout,
     QFrame,
@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.files import bundled_picture, bundled_scenes
 from insonify.io.atomic import write_text
 from insonify.lessons.courses import Course, group_lessons
 from insonify.lessons.lesson import Lesson
@@ -34,6 +35,7 @@ from insonify_viewer.widgets.theme import TEXT, lecture_scale
 USUAL = 1.2  # factor on the size of the text, which a lecture enlarges further
 HEADING = 1.25  # factor on the size of headings
 SIGNS = {Grade.RIGHT: "✓", Grade.CLOSE: "≈", Grade.WRONG: "✗", Grade.UNKNOWN: "→"}
+PICTURE = QSize(48, 32)  # px, of the record of a lesson
 NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
@@ -100,6 +102,8 @@ class ListPage(QWidget):
         tip = "A double click, or Enter, starts the lesson"
         self.lessons = make(QListWidget, objectName="lessons", accessibleName="Lessons", toolTip=tip, wordWrap=True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
+        self.lessons.setIconSize(PICTURE)
+        self.lessons.setSpacing(1)
         self.lessons.itemActivated.connect(self._start)
         self.lessons.currentItemChanged.connect(self._describe)
         self.about = _words()
@@ -126,7 +130,10 @@ class ListPage(QWidget):
             if course.name:
                 self._add_heading(course, sum(lesson.minutes for lesson in members))
             for lesson in members:
-                item = QListWidgetItem(f"{'✓' if lesson.name in finished else '○'}  {lesson.title}")
+                done = "✓ " if lesson.name in finished else ""
+                item = QListWidgetItem(f"{done}{lesson.title}")
+                if scene := bundled_scenes().get(lesson.scene):
+                    item.setIcon(QIcon(str(bundled_picture(scene))))  # beside it, a title of two lines is indented
                 item.setData(Qt.ItemDataRole.UserRole, lesson.name)
                 self.lessons.addItem(item)
                 if todo is None and lesson.name not in finished:
@@ -193,7 +200,7 @@ class StepPage(QWidget):
         first = step.ask is not None
         if step.ask is not None:
             self.ask.show_question(step.question, step.ask, run)
-        self.ask.setVisible(first)
+        self.ask.show_asked(first)
         self.lesson.setText(lesson.title)
         self.introduction.setText(lesson.introduction)
         self.introduction.setVisible(index == 0 and bool(lesson.introduction))
@@ -246,7 +253,8 @@ class StepPage(QWidget):
         self._halves.addLayout(reply, 1)
         fill(self._scroll.column, self._halves, None)
         self._ends = _row(self.left, self.lecture), _row(self.back, self.next)
-        fill(self._page, self._ends[0], self._scroll, self._ends[1], growing=self._scroll)
+        foot = fill(QVBoxLayout(), self.ask.buttons, self._ends[1])
+        fill(self._page, self._ends[0], self._scroll, foot, growing=self._scroll)
 
     def spread(self, wide: bool) -> None:
         """Lay task, reply and buttons side by side, as in a wide low place, or one below the other."""
