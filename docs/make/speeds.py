@@ -21,7 +21,7 @@ def _figures() -> dict[str, str]:
     """Read the figures from what the charts of the default scene and of rough ground printed."""
     _, default, rough, *_ = re.split(r"^\$ insonify chart", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)
     ratios = [re.findall(r"× ([\d.]+)$", chart, re.MULTILINE)[:2] for chart in (default, rough)]
-    found = re.search(r"^default plan.*?: ([\d.]+ %) in ([\d.]+ \S+?),", default, re.MULTILINE)
+    found = re.search(r"^(?:default )?plan.*?: ([\d.]+ %) in ([\d.]+ \S+?),", default, re.MULTILINE)
     if found is None or any(len(each) < 2 for each in ratios):
         raise SystemExit(f"{PAGE.name}: the printed charts lack a ratio or the default plan; see docs/make/speeds.py")
     return {
