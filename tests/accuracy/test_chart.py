@@ -106,6 +106,9 @@ def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
     for method in ("rays", "sweep"):
         errors = [row.errors.beyond for row in measured.rows if row.method == method and not row.targets]
         assert errors[-1] < 0.2 * errors[0]
+    plans = [row for row in measured.rows if row.method == PLAN and not row.targets]
+    assert [row.size for row in plans] == sorted((row.size for row in plans), reverse=True)
+    assert all(row.errors.beyond <= row.size for row in plans[:3])  # of which the reference resolves the errors
     errors = [row.errors.beyond for row in measured.rows if row.method == "rays" and not row.targets]
     assert all(later < earlier for earlier, later in itertools.pairwise(errors))
     found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
@@ -119,7 +122,7 @@ def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
     for note, which in zip(measured.summarise(), ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")
         assert float(note.split("× ")[1]) > 1.0
-    assert measured.summarise()[2].startswith("default plan, ")
+    assert measured.summarise()[2].startswith("plan, ")
     for each in measured.rows_of(targets=True):
         assert np.linalg.norm(measured.split(each)) == pytest.approx(each.errors.beyond)
 
