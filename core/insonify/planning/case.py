@@ -80,11 +80,6 @@ class Case:
         pings = choose_probe_pings(self.scene, packed.ground, self.targets, packed.arrays.half_width)
         return Probe(packed, add_loud_pings(packed, pings), self.targets)
 
-    def probe_together(self, models: list[Model]) -> None:
-        """Trace the pings of the probe by some models at once."""
-        if models:
-            self.probe.trace(models)
-
     def work(self, model: Model) -> float:
         """Work of a ping by a model, both sides."""
         return work_of(self.packed, model)
