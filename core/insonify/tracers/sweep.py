@@ -13,7 +13,7 @@ from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
@@ -181,7 +181,7 @@ def trace(
                 found = tuple(array[low:high] for array in to)
                 sweep_pings(arrays, part, beams[0], apparent, room, sums, *found)
                 if images is not None:
-                    table = empty_contributor_table(0, 0)
+                    table = empty_contributor_table(0, 0, 1, 0)
                     sweep_multipath(arrays, part, *beams, images, table, sums, *found)
 
             share_blocks(some, sweep, threads, pings_a_thread(beam))

@@ -19,6 +19,7 @@ from insonify.compiler.jit import inlined, inlined_uncounted
 from insonify.kernels.common.types import RangeDecay
 
 FIXED_POINT = float(2**38)  # integers per unit of energy per bin
+POINT = 1e-6  # bins; what is shorter lies at one place
 MOST_DECAY = 2.0  # up to which no place within a bin counts less than nothing
 MEAN_SQUARE = 5.0 / 96.0  # by which the mean of (1 + d t / 4)⁻⁴ over a bin exceeds 1, per d²
 
@@ -91,14 +92,15 @@ def add_energy(bins, position, energy):
 @inlined_uncounted
 def spread_energy(bins, near, far, energy):
     """Spread an energy evenly between two positions."""
+    if int(near) == int(far) or abs(far - near) <= POINT:
+        # Within a bin its middle has the same mean range factor to first order, which is that of the steps.
+        add_energy(bins, 0.5 * (near + far), energy)
+        return
     if far < near:
         near, far = far, near
-    if far - near > 1e-6:
-        density = np.int64(energy / (far - near))
-        step_density(bins, near, density)
-        step_density(bins, far, -density)
-    else:
-        add_energy(bins, near, energy)
+    density = np.int64(energy / (far - near))
+    step_density(bins, near, density)
+    step_density(bins, far, -density)
 
 
 @inlined_uncounted
