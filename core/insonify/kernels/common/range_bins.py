@@ -92,15 +92,14 @@ def add_energy(bins, position, energy):
 @inlined_uncounted
 def spread_energy(bins, near, far, energy):
     """Spread an energy evenly between two positions."""
-    if int(near) == int(far) or abs(far - near) <= POINT:
-        # Within a bin its middle has the same mean range factor to first order, which is that of the steps.
-        add_energy(bins, 0.5 * (near + far), energy)
-        return
     if far < near:
         near, far = far, near
-    density = np.int64(energy / (far - near))
-    step_density(bins, near, density)
-    step_density(bins, far, -density)
+    if far - near > POINT:
+        density = np.int64(energy / (far - near))
+        step_density(bins, near, density)
+        step_density(bins, far, -density)
+    else:
+        add_energy(bins, near, energy)
 
 
 @inlined_uncounted

@@ -106,7 +106,10 @@ def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window,
         Parts there are, of which as many are listed as there is room for.
     """
     grid, n = prepare_table(apparent, poses.z[ping], workspace.table), 0
-    path, sink = direct_path(arrays.law, arrays.bin_length), StretchSink(parts.bins, workspace.contributions, False)
+    path, sink = (
+        direct_path(arrays.law, arrays.bin_length, False),
+        StretchSink(parts.bins, workspace.contributions, False),
+    )
     near = window.first * arrays.bin_length
     far = near + window.weights.shape[1] * arrays.bin_length
     for k in range(fan.azimuth.size):

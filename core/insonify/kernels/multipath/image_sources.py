@@ -60,7 +60,9 @@ def _image_pair(arrays, path, one, other, drop, is_traced):
     reach = arrays.bins * arrays.bin_length + wave_advance(multipath, passes)
     farthest = _farthest_ground_range(drop + one.height, drop + other.height, reach) if is_traced else 0.0
     waves, raised = (multipath.rms_height, multipath.slope_variance), other.height - one.height
-    return ImagePath(one, other, raised, orders, passes, path, arrays.law, arrays.bin_length, *waves, reach, farthest)
+    return ImagePath(
+        one, other, raised, orders, passes, True, path, arrays.law, arrays.bin_length, *waves, reach, farthest
+    )
 
 
 @inlined_uncounted

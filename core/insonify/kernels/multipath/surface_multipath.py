@@ -319,7 +319,7 @@ def add_surface_echo(arrays, poses, ping, side, rows, sink):
     energy = value if law == LIGHT else 0.25 * value * depth * depth
     rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
     tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
-    n = list_stretch(rows, 0, Stretch(depth, depth, energy, 0.0, 0.0, 1.0, 0, rise, tilt))
+    n = list_stretch(rows, 0, Stretch(depth, depth, energy, 0.0, 0.0, 1.0, 0, rise, tilt), True)
     sink_stretches(rows, n, arrays.multipath.facets[0], arrays.bin_length, SURFACE_ECHO, sink)
 
 

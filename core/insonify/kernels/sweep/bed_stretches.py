@@ -13,7 +13,7 @@ from insonify.compiler.jit import inlined, inlined_uncounted, kernel_uncounted
 from insonify.kernels.bed.profile import list_marked
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.sweep.image_paths import DIRECT, direct_path, path_delays, path_strength, spreading_ratio
+from insonify.kernels.sweep.image_paths import DIRECT, path_delays, path_strength, spreading_ratio
 from insonify.kernels.sweep.stretches import ENOUGH, Stretch, list_stretch, sink_stretches
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, AngularZbuffer
 from insonify.kernels.targets.occlusion import (
@@ -157,15 +157,16 @@ def _list_pieces(segment, path, x_from, x_to, occlusions, owners, pieces, hidden
         return n
     for k in range(split_segment(segment, x_from, x_to, occlusions[0], owners, hidden_row >= 0, pieces)):
         start, stop, hider = pieces.x_from[k], pieces.x_to[k], pieces.hider[k]
-        if path.raised == 0.0:
-            owner = segment.material if hider == NO_TARGET else hidden_row + hider
-            n = list_bed_stretch(segment, path, start, stop, owner, rows, n)
-            continue
-        low, high = launch_angle(line, start), launch_angle(line, stop)
+        owner = segment.material if hider == NO_TARGET else hidden_row + hider
+        low, high, begin, end = 0.0, 1.0, start, stop
+        if path.raised > 0.0:
+            low, high = launch_angle(line, start), launch_angle(line, stop)
         while low < high:
-            opened, closed, begin, end = _next_stretch(occlusions[1], line, low, high, start, stop)
-            if opened < high:
-                n = list_bed_stretch(segment, path, begin, end, segment.material, rows, n)
+            closed = high
+            if path.raised > 0.0:
+                low, closed, begin, end = _next_stretch(occlusions[1], line, low, high, start, stop)
+            if low < high:
+                n = list_bed_stretch(segment, path, begin, end, owner, rows, n)
             low, start = closed, end
     return n
 
@@ -260,18 +261,9 @@ def _ground_range_at(line, angle):
     return line.offset / (math.tan(angle) - line.slope)
 
 
-@kernel_uncounted
+@inlined_uncounted
 def list_bed_stretch(segment, path, x_from, x_to, owner, rows, n):
     """List the echo of a stretch of a segment, in parts short against their range."""
-    if path.path == DIRECT:
-        # What is known of the path here drops out of the code.
-        return _list_stretch(segment, direct_path(path.law, path.bin_length), x_from, x_to, owner, rows, n)
-    return _list_stretch(segment, path, x_from, x_to, owner, rows, n)
-
-
-@inlined_uncounted
-def _list_stretch(segment, path, x_from, x_to, owner, rows, n):
-    """List a stretch of a segment by a path."""
     near, far = echo_range(segment, path.raised, x_from), echo_range(segment, path.raised, x_to)
     squared = (x_to - x_from) * (x_to - x_from) * (1.0 + segment.slope * segment.slope)
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
@@ -314,7 +306,9 @@ def _list_part(segment, path, x_from, x_to, near, far, owner, rows, n):
     energy = value * abs(far - near) / path.bin_length if path.law == LIGHT else value * root * (x_to - x_from)
     rise, tilt = path_delays(path, -a, r, r_other)
     ends, least = (x_from / segment.range_ratio, x_to / segment.range_ratio), min(cosine, cos_other)
-    return list_stretch(rows, n, Stretch(near, far, energy, ends[0], ends[1], least, owner, rise, tilt))
+    return list_stretch(
+        rows, n, Stretch(near, far, energy, ends[0], ends[1], least, owner, rise, tilt), path.is_detailed
+    )
 
 
 @inlined

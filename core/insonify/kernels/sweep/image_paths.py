@@ -29,6 +29,7 @@ class ImagePath(NamedTuple):
     raised: float  # height of the other above the one, m
     orders: int  # 2 if they differ, because sound travels the path in both directions
     passes: int  # of the sea surface
+    is_detailed: bool  # whether stretches need more than slant ranges and energy: for their contributors or for waves
     path: int  # DIRECT, SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE or SECOND_BOTTOM
     law: int
     bin_length: float  # m
@@ -39,10 +40,10 @@ class ImagePath(NamedTuple):
 
 
 @inlined_uncounted
-def direct_path(law, bin_length):
+def direct_path(law, bin_length, is_detailed):
     """Path from the sonar and straight back."""
     sonar = ImageSource(0.0, False, 1.0, 0.0)
-    return ImagePath(sonar, sonar, 0.0, 1, 0, DIRECT, law, bin_length, 0.0, 0.0, 0.0, 0.0)
+    return ImagePath(sonar, sonar, 0.0, 1, 0, is_detailed, DIRECT, law, bin_length, 0.0, 0.0, 0.0, 0.0)
 
 
 @inlined_uncounted

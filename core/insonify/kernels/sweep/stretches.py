@@ -55,15 +55,17 @@ def empty_stretch_list() -> NDArray[np.float64]:
 
 
 @inlined_uncounted
-def list_stretch(rows, n, stretch):
+def list_stretch(rows, n, stretch, is_detailed):
     """Append a stretch to a list, if it brings energy and there is room; return their number."""
-    if not stretch.energy > 0.0 or n >= ROOM:
+    if n >= ROOM:
         return n
     row = rows[n]
     row[NEAR], row[FAR], row[ENERGY] = stretch.near, stretch.far, stretch.energy
-    row[X_FROM], row[X_TO], row[COSINE], row[OWNER] = stretch.x_from, stretch.x_to, stretch.cosine, stretch.owner
-    row[RISE], row[TILT] = stretch.rise, stretch.tilt
-    return n + 1
+    if is_detailed:
+        row[X_FROM], row[X_TO], row[COSINE], row[OWNER] = stretch.x_from, stretch.x_to, stretch.cosine, stretch.owner
+        row[RISE], row[TILT] = stretch.rise, stretch.tilt
+    # Whether there is energy is chance: without a branch the next row takes its place.
+    return n + (1 if stretch.energy > 0.0 else 0)
 
 
 @kernel_uncounted
@@ -72,10 +74,9 @@ def sink_stretches(rows, n, waves, bin_length, path, sink):
     if sink.labelling:
         note_stretches(rows, n, waves, bin_length, path, sink.contributions)
     per_bin, share = 1.0 / bin_length, FIXED_POINT / max(waves.shape[0], 1)
-    hidden = sink.contributions.first_hidden if sink.labelling else math.inf
     for k in range(n):
         energy = rows[k, ENERGY] * share
-        if rows[k, OWNER] >= hidden:
+        if sink.labelling and rows[k, OWNER] >= sink.contributions.first_hidden:
             continue
         if waves.shape[0] == 0:
             spread_energy(sink.bins, rows[k, NEAR] * per_bin, rows[k, FAR] * per_bin, energy)

@@ -145,9 +145,10 @@ def _sweep_bed(arrays, plane, sector, cells, count, workspace, sink):
     else:
         deposit_densities(count, echoes, bin_length, sink.bins)
     view = view_bed(profile.z, echoes.launch, echoes.horizon, zbuffer, cells)
+    path, pieces, rows = direct_path(arrays.law, bin_length, sink.labelling), workspace.pieces, workspace.rows
     list_bed(
-        profile, count, echoes.cut, echoes.marked, echoes.weight, (view, view), zbuffer,
-        direct_path(arrays.law, bin_length), arrays, sector, workspace.calm, workspace.pieces, workspace.rows, sink,
+        profile, count, echoes.cut, echoes.marked, echoes.weight, (view, view), zbuffer, path, arrays, sector,
+        workspace.calm, pieces, rows, sink,
     )  # fmt: skip
 
 

@@ -44,7 +44,6 @@ HALVINGS = 10  # that find where a facet comes out of the bed
 LIT_PARTS, LEAST_LIT = 2, 4
 INSIDE = 1e-9  # share of a facet by which radiance is taken inside its ends
 LEAST_COSINE = 1e-6  # of an incidence, as in the parabola of a facet
-NO_SPAN = SectorSpan(0.0, 0.0, 0.0)
 BEFORE = 1e-4  # share of a distance by which another body must come nearer to hide a place
 
 
@@ -115,7 +114,7 @@ def view_from_higher(bed, zbuffer, cells):
 def sink_targets(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer, cells, calm, rows, sink):
     """Put the stretches of targets by the direct path into a sink."""
     # What is known of the path here drops out of the code.
-    path, higher = direct_path(law, bin_length), view_from_higher(bed, zbuffer, cells)
+    path, higher = direct_path(law, bin_length, sink.labelling), view_from_higher(bed, zbuffer, cells)
     _list_targets(bed, higher, bodies, pattern, path, (sector, sector), plane, zbuffer, cells, calm, rows, sink)
 
 
@@ -285,7 +284,8 @@ def list_facet(facet, lean, surface, pattern, path, sectors, higher, knot, rows,
         tilt = _tilt_along(facet, curve, place)
         for k in range(parts):
             far, cosine, energy = _part_of_facet(facet, curve, tilt, k, parts, near, numbers, path)
-            n, near = _list_part(echo, near, far, span, energy, cosine, rows, n), far
+            start, stop = widen(near, far, span)
+            n, near = _list_part(echo, start, stop, energy, cosine, path, rows, n), far
         return n
     # The mean of a lobe along a facet is that about the direction back to one place.
     shine = lobe if path.raised == 0.0 else numbers[1]
@@ -294,25 +294,22 @@ def list_facet(facet, lean, surface, pattern, path, sectors, higher, knot, rows,
     first = second = 0.5 * value * facet.centre * (facet.high - facet.low) / max(place.incidence, LEAST_COSINE)
     if path.law == LIGHT:
         first, second = value * per_bin * abs(middle - near), value * per_bin * abs(far - middle)
-    lowest, highest, half = (
-        min(near, middle, far) * per_bin,
-        max(near, middle, far) * per_bin,
-        0.5 * span.across * per_bin,
-    )
-    if int(lowest - half) == int(highest + half):
-        # Within a bin the place of the mean energy has the mean range factor.
-        at = 0.25 * (near + far) + 0.5 * middle
-        return _list_part(echo, at, at, NO_SPAN, first + second, echo.cosine, rows, n)
-    n = _list_part(echo, near, middle, span, first, echo.cosine, rows, n)
-    return _list_part(echo, middle, far, span, second, echo.cosine, rows, n)
+    # Within a bin the place of the mean energy has the mean range factor. Without a branch, for which it is chance.
+    half = 0.5 * span.across
+    is_point = int((min(near, middle, far) - half) * per_bin) == int((max(near, middle, far) + half) * per_bin)
+    at, (start, stop), energy = 0.25 * (near + far) + 0.5 * middle, widen(near, middle, span), first + second
+    start, stop, energy = (at if is_point else start), (at if is_point else stop), (energy if is_point else first)
+    n = _list_part(echo, start, stop, energy, echo.cosine, path, rows, n)
+    start, stop = widen(middle, far, span)
+    return _list_part(echo, start, stop, 0.0 if is_point else second, echo.cosine, path, rows, n)
 
 
 @inlined_uncounted
-def _list_part(echo, near, far, span, energy, cosine, rows, n):
+def _list_part(echo, start, stop, energy, cosine, path, rows, n):
     """List a part of a facet, of an energy before the weight of the facet's echo."""
-    start, stop = widen(near, far, span)
-    x, owner = echo.x_from, echo.owner
-    return list_stretch(rows, n, Stretch(start, stop, echo.energy * energy, x, x, cosine, owner, echo.rise, echo.tilt))
+    x, energy = echo.x_from, echo.energy * energy
+    stretch = Stretch(start, stop, energy, x, x, cosine, echo.owner, echo.rise, echo.tilt)
+    return list_stretch(rows, n, stretch, path.is_detailed)
 
 
 @inlined_uncounted
@@ -396,7 +393,8 @@ def _list_light(facet, lean, surface, primitive, pattern, path, sectors, higher,
     for k in range(parts):
         far, after = _radiance_along(primitive, numbers, facet, (k + 1.0) / parts, path)
         energy = 0.5 * (before + after) * abs(far - near) * per_bin
-        n, near, before = _list_part(echo, near, far, span, energy, echo.cosine, rows, n), far, after
+        start, stop = widen(near, far, span)
+        n, near, before = _list_part(echo, start, stop, energy, echo.cosine, path, rows, n), far, after
     return n
 
 
