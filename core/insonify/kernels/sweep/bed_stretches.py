@@ -138,6 +138,9 @@ def list_bed(profile, count, marks, indices, weights, views, zbuffer, path, arra
             risen = visible_from(offset, segment.slope, x[i], x[i + 1], launch_other[i], horizon_other[i])
             start = max(start, risen)
             covered |= (launch_other[i + 1] > other_from) & (launch_other[i] < other_to)
+        # Most of what is covered is hidden whole. The call for the rest costs more than this test.
+        if covered and hidden_row < 0 and is_hidden(occlusions[0], segment, start, x[i + 1]):
+            continue
         if covered:
             n = _list_pieces(segment, path, start, x[i + 1], occlusions, owners, pieces, hidden_row, rows, n)
         else:
