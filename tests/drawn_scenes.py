@@ -48,6 +48,7 @@ def scenes(draw: Draw) -> dict[str, Any]:
         _fit_sonar(sonar, values.get("receiver", {}))
         if sonar.get("law") == "light":
             values.pop("volumes", None)
+            values["water"] = {"kind": "uniform"}
         _fit_tables(draw, sonar.get("vertical", {}), values.get("receiver", {}))
         _fit_water(draw, values.get("water", {}))
         for target in values["targets"]:
@@ -144,6 +145,7 @@ def _fit_sonar(sonar: dict[str, Any], receiver: dict[str, Any]) -> None:
         pulse["duration"], pulse["bandwidth"] = 1e-3, max(pulse.get("bandwidth", 30e3), 1e3)
     if sonar.get("law") == "light":
         receiver.pop("reverberation", None)
+        sonar["bounces"] = 0
     coherent = receiver.get("speckle", {}).get("kind") == "coherent"
     if coherent and (sonar.get("law") == "light" or sonar["beam"]["kind"] == "knife" or sonar["bounces"] > 0):
         receiver.pop("speckle")

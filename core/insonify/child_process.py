@@ -91,7 +91,7 @@ class ChildProcess:
                     stream.close()
 
     def __del__(self) -> None:
-        """End the process with the last reference to it, as when the package is imported anew."""
+        """End the process with the last reference to it, as when the package is imported again."""
         if hasattr(self, "process"):
             self.stop()
 

@@ -24,7 +24,7 @@ else:
 DEVICES = {"CON", "PRN", "AUX", "NUL", *(f"{port}{number}" for port in ("COM", "LPT") for number in range(1, 10))}
 FORBIDDEN = re.compile(r'[<>:"|?*/\\\x00-\x1f]|[. ]$')
 LONGEST_PATH = 259  # characters, on Windows where longer ones have not been enabled
-FAR = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
+LOCKED_BYTE = 2**30  # byte that is locked where locks concern bytes, which could otherwise not be read
 LOWER = 5  # steps of niceness, each some 20 % of a processor's share
 
 
@@ -47,7 +47,7 @@ def lock_file(file: BinaryIO, exclusive: bool = True) -> bool | None:
     """Lock a file until it is closed: whether it is locked now, or None where the disk has no locks."""
     try:
         if sys.platform == "win32":
-            file.seek(FAR)
+            file.seek(LOCKED_BYTE)
             msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
             file.seek(0)
         else:

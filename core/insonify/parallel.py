@@ -25,7 +25,7 @@ class PerThread(threading.local, Generic[Made]):
     """One object for each thread that uses it, such as the work space of a kernel."""
 
     def __init__(self, make: Callable[[], Made]) -> None:
-        # A `threading.local` is initialised anew in every thread that touches it.
+        # A `threading.local` is initialised in every thread that touches it.
         self.own = make()
 
 

@@ -110,10 +110,24 @@ def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 
 def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Turn reverberation off under the law of light, which has no volume scattering."""
-    if changes.get("sonar.law") != "light" or scene.receiver.reverberation.kind == "none":
+    """Turn off what the law of light does not model: scattering in the water, the sea surface and bent rays."""
+    if changes.get("sonar.law") != "light":
         return {}, ""
-    return {"receiver.reverberation": "none"}, "reverberation is off: the law of light has no scattering in the water"
+    water, off = scene.water, list[str]()
+    extra: Changes = {}
+    if scene.receiver.reverberation.echoes:
+        extra["receiver.reverberation"] = "none"
+        off.append("reverberation is off")
+    if any(water.surface.paths):
+        extra["water.surface"] = "none"
+        off.append("the sea surface is off")
+    if water.only_speed is None:
+        extra["water.kind"] = "uniform"
+        off.append("the water has one sound speed")
+    if scene.sonar.bounces > 0:
+        extra["sonar.bounces"] = 0
+        off.append("later echoes are off")
+    return extra, f"{', '.join(off)}: the law of light does not model it" if off else ""
 
 
 def _source_level(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

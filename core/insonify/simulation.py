@@ -36,7 +36,6 @@ from insonify.tracers.plane_counts import (
     empty_squares,
     errors_of_sides,
     more_across,
-    trace_by_count,
     trace_until,
 )
 from insonify.tracers.sweep import Sweep, trace_measured
@@ -115,7 +114,7 @@ class Simulation(PackedScene):
         return self.trace_pings(poses).echoes
 
     def trace_pings(self, poses: Poses, *, of_bins: bool = False) -> TracedPings:
-        """Trace pings as `trace` does, each by as many planes as its error requires; find that of bins if wanted."""
+        """Trace echoes and errors, each ping by as many planes as its error requires; errors of bins too if wanted."""
         if not self.estimates_errors:
             planes = np.full(poses.x.size, self.plan.planes, np.int64)
             nothing = empty_squares(poses.x.size), planes, empty_bin_errors(poses.x.size)
@@ -139,16 +138,17 @@ class Simulation(PackedScene):
         """Trace pings by given numbers of planes."""
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
 
-        def trace_some(places: Integers, count: int) -> Traced:
-            settings, some = self.settings_of(count), take_poses(poses, places)
-            found: Traced = self.tiles.map(lambda tile, part: trace_pings(tile, part, **settings), arrays, some)
-            return found
+        def trace_tile(tile: SceneArrays, some: Poses, own: Integers) -> Traced:
+            return trace_pings(tile, some, **self.settings_of(own))
 
         with limited_threads(self.threads):
-            return trace_by_count(planes, trace_some)
+            found: Traced = self.tiles.map(trace_tile, arrays, poses, planes)
+            return found
 
-    def settings_of(self, planes: int) -> dict[str, Any]:
-        """Arguments of the tracer for a ping of a number of planes."""
+    def settings_of(self, planes: Integers) -> dict[str, Any]:
+        """Arguments of the tracer for pings of some numbers of planes."""
+        if not self.estimates_errors:
+            return dict(self.plan.settings)
         return _with_planes(self.plan.settings, planes, self.plan.planes)
 
     def errors(self, squares: Floats) -> Singles:
@@ -218,17 +218,15 @@ class Simulation(PackedScene):
         settings: dict[str, Any] = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
         settings["crosstalk"], first = 0.0 if crosstalk is None else crosstalk.share, settings.get("planes", 16)
 
-        def label_some(places: Integers, planes: int) -> tuple[Any, ...]:
-            own = _with_planes(settings, planes, first)
+        def label_tile(tile: SceneArrays, some: Poses, counts: Integers) -> tuple[Any, ...]:
+            volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
+            echoes, squares = new_record(tile, some) if traced else None, empty_squares(some.x.size)
+            own = _with_planes(settings, counts, first)
+            labels = trace_labels(tile, some, volumes=volumes, echoes=echoes, squares=squares, **own)
+            return (*labels, squares if echoes is None else echoes, squares)
 
-            def label_tile(tile: SceneArrays, some: Poses) -> tuple[Any, ...]:
-                volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
-                echoes = new_record(tile, some) if traced else None
-                squares = empty_squares(some.x.size)
-                labels = trace_labels(tile, some, volumes=volumes, echoes=echoes, squares=squares, **own)
-                return (*labels, squares if echoes is None else echoes, squares)
-
-            found: tuple[Any, ...] = self.tiles.map(label_tile, self.reduced, take_poses(poses, places))
+        def label_some(places: Integers, counts: Integers) -> tuple[Any, ...]:
+            found: tuple[Any, ...] = self.tiles.map(label_tile, self.reduced, take_poses(poses, places), counts)
             return found
 
         with limited_threads(self.threads):
@@ -331,12 +329,10 @@ def _are_estimates(squares: Floats) -> Booleans:
     return (squares[..., 1].sum(axis=-1) > 0.0) & np.isfinite(errors_of_sides(squares))
 
 
-def _with_planes(settings: Mapping[str, Any], planes: int, first: int) -> dict[str, Any]:
-    """Arguments of a tracer for another number of planes than the first."""
-    if planes == first:
-        return dict(settings)
-    across = more_across(planes, first, settings.get("across", 0))
-    return {**settings, "planes": planes} | ({"across": across} if across > 0 else {})
+def _with_planes(settings: Mapping[str, Any], planes: Integers, first: int) -> dict[str, Any]:
+    """Arguments of a tracer for pings of other numbers of planes than the first."""
+    across = settings.get("across", 0)
+    return {**settings, "planes": planes} | ({"across": more_across(planes, first, across)} if across > 0 else {})
 
 
 def prepare(

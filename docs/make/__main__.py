@@ -1,8 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
-``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
-``figures``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, ``mesh-pictures``, or a path below ``docs`` such
-as ``tutorial/python``).
+``python docs/make`` makes all of it; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
+``figures``, ``stability``, ``movie``, ``example``, ``gallery``, ``scene-pictures``, ``mesh-pictures``, or a path below
+``docs`` such as ``tutorial/python``).
 ``--check`` changes nothing: it compares what is quick to make with the files as they are, names what is out of date,
 and exits with 1.
 """
@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import courses
 import example
+import failures
 import fields
 import figures
 import gallery
@@ -27,21 +28,22 @@ import packages
 import pages
 import reference
 import small_pictures
+import speeds
 
 DOCS = Path(__file__).resolve().parents[1]
-GENERATED = {
-    "reference/scene.md": fields.page,
+GENERATED: dict[str, Callable[[], str]] = {
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
-    "howto/courses.md": courses.page,
     "howto/index.md": reference.howto_page,
     "architecture/rooms.md": packages.page,
+    **courses.pages(),
 }
 TIMES = re.compile(
     r" +(-|[\d.]+(e[+-]?\d+)? µs)$", re.MULTILINE
-)  # measured anew at every run; a page is not out of date for them
+)  # measured at every run; a page is not out of date for them
 DRAWN: dict[str, Callable[[], None]] = {
     "figures": lambda: figures.draw(DOCS / "pictures"),
+    "stability": lambda: failures.write(DOCS),
     "movie": lambda: movie.draw(DOCS / "pictures" / "tow.webp"),
     "example": lambda: example.write(DOCS.parent / "resources" / "records" / "default.npz"),
     "gallery": lambda: gallery.draw(DOCS),
@@ -73,11 +75,12 @@ def _wanted(name: str, names: list[str]) -> bool:
 def _reference(arguments: argparse.Namespace) -> list[str]:
     """Make the generated pages; return those that differ from the files."""
     stale = []
-    for name, make in GENERATED.items():
-        path, text = DOCS / name, make()
+    for name, text in {**fields.pages(), **{name: make() for name, make in GENERATED.items()}}.items():
+        path = DOCS / name
         if _wanted(name, arguments.names) and (not path.exists() or path.read_text(encoding="utf-8") != text):
             stale.append(name)
             if not arguments.check:
+                path.parent.mkdir(exist_ok=True)
                 path.write_text(text, encoding="utf-8")
     return stale
 
@@ -87,10 +90,11 @@ def _pages(arguments: argparse.Namespace) -> list[str]:
     stale = []
     for path in [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]:
         name = path.relative_to(DOCS).as_posix() if path.is_relative_to(DOCS) else f"../{path.name}"
-        if name in GENERATED or not _wanted(name, arguments.names):
+        if name in GENERATED or name.startswith("reference/scene"):
             continue
         text = path.read_text(encoding="utf-8")
-        made = pages.run(text, None if arguments.check else path)
+        wanted = _wanted(name, arguments.names)
+        made = speeds.quote(pages.run(text, None if arguments.check else path) if wanted else text)
         if TIMES.sub("", made) != TIMES.sub("", text):
             stale.append(name)
             if not arguments.check:

@@ -1,6 +1,9 @@
-"""Write the teacher's page: courses and lessons, questions, right answers, and the misconceptions behind wrong ones."""
+"""Write the pages of courses: an overview with plans, a page of each course, and the answers for teachers."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
 
 from insonify.lessons.conditions import parse_expression
 from insonify.lessons.courses import Course, group_lessons
@@ -8,15 +11,74 @@ from insonify.lessons.lesson import Lesson, Step, load_lessons
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import LessonState, states_of
+from insonify.lessons.wording import fill_in
 
 HEAD = """# Teach a course
 
-What each course of [lessons](lessons.md) asks, the right answers, and the misconceptions behind the wrong ones that the
-viewer knows. Numbers are those of the scene as the lesson opens it; an answer is judged on the student's own scene.
-After a lesson, *Save page…* writes answers and records as a page to hand in, which serves as the worksheet.
+The courses of [lessons](lessons.md), a plan for a semester and one for two hours. Each course has a page with its
+questions; the right answers, and the misconceptions behind the wrong ones, stand [on a page for
+teachers](../courses/answers.md). Every number in a lesson is computed from its scene. After a lesson, *Save page…*
+writes answers and records as a page to hand in, PDF or Markdown, which serves as the worksheet.
 
 | course | level | lessons | minutes | assumes |
 |---|---|---|---|---|
+"""
+
+# Title of each week of a semester, its lessons, and what is done beyond them.
+WEEKS = (
+    ("What a record shows", "first-return pipe-on-bed", "Read altitude and swath from a record of your own scene."),
+    ("Shadows and heights", "target-height range-and-resolution", "Measure three targets of the scene `targets`."),
+    ("Beams", "aperture two-way-beam", "Find a data sheet of a side-scan sonar: is its width one-way or two-way?"),
+    ("Pulse, frequency, gain", "pulse-and-chirp frequency-and-absorption time-varied-gain vertical-beam",
+     "Choose frequency and pulse for a range of 200 m."),
+    ("The sonar equation", "sonar-equation noise", "Work out `insonify budget raw-record` by hand."),
+    ("Sound speed and refraction", "sound-speed thermocline figure-3 ghosts",
+     "Lay the shadow zone of a cast of your own."),
+    ("The tow and other sounds", "towing other-sounds fish-and-plumes bottom-tracking",
+     "List what repeats, what slants, what drifts."),
+    ("Angles and sediments", "ground-range incidence angular-response sediments",
+     "Compare two sediments at one incidence."),
+    ("Texture and speckle", "incidence-and-ripples speckle classification figure-6 models",
+     "Make a bed that passes for a recording."),
+    ("Targets", "pipe-span detection wreck-or-rock figure-2 figure-4 figure-5",
+     "Describe a contact so that another finds it."),
+    ("Surveys", "survey-lines mosaics", "Plan lines for a square kilometre and 3 pings on a metre."),
+    ("A recording, and the test", "read-a-recording end-test other-ocean", "Hand in the pages of all three."),
+)  # fmt: skip
+# Minutes of a demonstration, its lessons, and what is shown.
+DEMO = (
+    (15, "first-return", "What the dark band is; raise and lower the sonar."),
+    (20, "pipe-on-bed target-height", "Let the class guess the height of the block before you measure it."),
+    (15, "figure-2", "Light beside sonar: the same shadow, another echo."),
+    (20, "figure-4 two-way-beam", "Two spheres become one."),
+    (10, "", "Pause: questions of the class on the default scene."),
+    (20, "thermocline ghosts", "Bent sound in the panel of rays; echoes by the surface."),
+    (20, "wreck-or-rock", "A vote: wreck or rock? Then turn the hull."),
+)
+PLANS = """
+## A semester of 12 weeks
+
+Two hours a week: one with the lessons of the week, one for the exercise and its discussion. {unplanned}
+
+| week | subject | lessons | minutes | exercise |
+|---|---|---|---|---|
+{weeks}
+
+## A demonstration of two hours
+
+With the [lecture](view.md#lecture) view (F11) on a projector: the class guesses, one student moves the slider.
+
+| minutes | lessons | what is shown |
+|---|---|---|
+{demo}
+
+"""
+ANSWERS = """# Answers for teachers
+
+The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers are those
+of the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws its
+numbers anew in every run: here is one draw.
+
 """
 
 TOPICS = """## Topics
@@ -30,15 +92,71 @@ what is to be seen there and not always the number that is asked for; or, for a 
 """
 
 
-def page() -> str:
-    """Return the page."""
-    groups = [(course, lessons) for course, lessons in group_lessons(load_lessons()) if course.name]
+def pages() -> dict[str, Callable[[], str]]:
+    """Return what writes each page, by its path below ``docs``."""
+    makers: dict[str, Callable[[], str]] = {"howto/courses.md": _overview, "courses/answers.md": _answers_page}
+    return makers | {f"courses/{course.name}.md": partial(_course, course, lessons) for course, lessons in _groups()}
+
+
+@cache
+def _groups() -> list[tuple[Course, list[Lesson]]]:
+    """Return the courses with their lessons, the texts written out."""
+    groups = group_lessons([fill_in(lesson) for lesson in load_lessons()])
+    return [(course, lessons) for course, lessons in groups if course.name]
+
+
+def _overview() -> str:
+    """Return the page of all courses."""
+    groups = _groups()
     rows = [
-        f"| [{course.title}](#{course.title.lower().replace(' ', '-')}) | {course.level} | {len(lessons)} | "
+        f"| [{course.title}](../courses/{course.name}.md) | {course.level} | {len(lessons)} | "
         f"{sum(each.minutes for each in lessons)} | {course.assumes} |"
         for course, lessons in groups
     ]
-    return HEAD + "\n".join(rows) + f"\n\n{_topics(groups)}\n" + "\n".join(_course(*each) for each in groups)
+    return HEAD + "\n".join(rows) + "\n" + _plans(groups) + _topics(groups)
+
+
+def _plans(groups: list[tuple[Course, list[Lesson]]]) -> str:
+    """Return the plans of a semester and of a demonstration."""
+    minutes = {lesson.name: lesson.minutes for _, lessons in groups for lesson in lessons}
+    courses = {lesson.name: course.title for course, lessons in groups for lesson in lessons}
+
+    def shown(names: str) -> str:
+        return ", ".join(f"`{name}`" for name in names.split())
+
+    weeks = [
+        f"| {number} | {title} | {shown(names)} | {sum(minutes[name] for name in names.split())} | {exercise} |"
+        for number, (title, names, exercise) in enumerate(WEEKS, 1)
+    ]
+    demo = [f"| {length} | {shown(names)} | {what} |" for length, names, what in DEMO]
+    left = sorted(
+        {courses[name] for name in minutes.keys() - {each for _, names, _ in WEEKS for each in names.split()}}
+    )
+    unplanned = f"What it leaves out, of {' and '.join(left)}, is for those who want more." if left else ""
+    return PLANS.format(unplanned=unplanned, weeks="\n".join(weeks), demo="\n".join(demo))
+
+
+def _course(course: Course, lessons: list[Lesson]) -> str:
+    """Return the page of a course: what each lesson asks."""
+    parts = [f"# {course.title}\n\n{course.aims} Assumed: {course.assumes[:1].lower()}{course.assumes[1:]}\n"]
+    for lesson in lessons:
+        parts.append(
+            f"## {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n"
+        )
+        parts += [f"- **{step.title}.** {' '.join(step.question.split())}" for step in lesson.steps]
+        parts.append("")
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def _opening(lesson: Lesson) -> str:
+    return f"Lesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes."
+
+
+def _answers_page() -> str:
+    """Return the page of all answers."""
+    return ANSWERS + "\n".join(
+        f"## {course.title}\n\n" + "\n".join(map(_lesson, lessons)) for course, lessons in _groups()
+    )
 
 
 def _topics(groups: list[tuple[Course, list[Lesson]]]) -> str:
@@ -71,16 +189,9 @@ def _check(step: Step) -> str:
     )
 
 
-def _course(course: Course, lessons: list[Lesson]) -> str:
-    return f"## {course.title}\n\n{course.aims}\n\n" + "\n".join(map(_lesson, lessons))
-
-
 def _lesson(lesson: Lesson) -> str:
     steps = [_step(*each) for each in states_of(lesson)]
-    return (
-        f"### {lesson.title}\n\nLesson `{lesson.name}`, scene `{lesson.scene}`, {lesson.minutes} minutes.\n\n"
-        + "\n".join(steps)
-    )
+    return f"### {lesson.title}\n\n{_opening(lesson)}\n\n" + "\n".join(steps)
 
 
 def _step(step: Step, start: LessonState, end: LessonState) -> str:

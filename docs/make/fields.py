@@ -13,33 +13,54 @@ HEAD = """# Scene fields
 
 <!-- Made by `python docs/make` from the declarations in `insonify.scene`. Edit those. -->
 
-Every field of a scene file, with its unit, default, bounds and meaning. The path before a field's name is its table in
-the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A field with a `kind` is written as a table,
-`beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind, `beam = "fan"`, with all its defaults.
-Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees. Directions count counter-clockwise
-from +x (east); z points up with the sea surface at 0, and *depth* points down.
+Every field of a scene file, with its unit, default, bounds and meaning. Each table of the file has a page of its own.
+The path before a field's name is its table in the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A
+field with a `kind` is written as a table, `beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind,
+`beam = "fan"`, with all its defaults. Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees.
+Directions count counter-clockwise from +x (east). The axis z points up, with the sea surface at 0; *depth* points down.
+
+"""
+TABLE_HEAD = """# Scene fields: {name}
+
+<!-- Made by `python docs/make` from the declarations in `insonify.scene`. Edit those. -->
+
+{description} [How fields are written](../scene.md).
 
 """
 TABLE = "| field | default | unit | bounds | meaning |\n|---|---|---|---|---|\n"
 NOT_GIVEN = "not given"
 
 
-def page() -> str:
-    """Return the page."""
+def pages() -> dict[str, str]:
+    """Return the pages by their paths below ``docs``: one of the whole scene, and one of each of its tables."""
     schema = Scene.model_json_schema()
     made = _Made(schema)
-    made.struct("scene", "", {**schema, "description": "Everything a record depends on."})
-    return HEAD + "".join(made.out).rstrip() + "\n"
+    made.fields("", schema, 1)
+    texts = {"reference/scene.md": HEAD + made.taken()}
+    for name, field in schema["properties"].items():
+        references = _references(field)
+        if references:
+            made.declarations_of(name, field, 1)
+            described = field if len(references) > 1 else schema["$defs"][references[0]]
+            head = TABLE_HEAD.format(name=name, description=_sentence(described["description"]))
+            texts[f"reference/scene/{name}.md"] = head + made.taken()
+    return texts
 
 
 class _Made:
-    """Sections of the page in order; each declaration is printed once, at the shortest path that leads to it."""
+    """Sections of a page in order; each declaration is printed once, at the shortest path that leads to it."""
 
     def __init__(self, schema: dict[str, Any]):
         self.declarations = schema["$defs"]
         self.out: list[str] = []
         self.printed: set[str] = set()
         self.homes = self._find_homes(schema)  # declaration: path and heading under which it stands
+
+    def taken(self) -> str:
+        """Return the sections made since the last page."""
+        text = "".join(self.out).rstrip() + "\n"
+        self.out.clear()
+        return text
 
     def _find_homes(self, schema: dict[str, Any]) -> dict[str, tuple[str, str]]:
         """Walk the declarations breadth first."""
@@ -56,11 +77,8 @@ class _Made:
                         queue.append((shown, self.declarations[reference]))
         return homes
 
-    def struct(self, heading: str, path: str, schema: dict[str, Any], level: int = 2) -> None:
-        """Print one declaration as a table, then the declarations within it."""
-        self.out.append(f"{'#' * level} {heading}\n\n")
-        if schema.get("description"):
-            self.out.append(f"{_sentence(schema['description'])}\n\n")
+    def fields(self, path: str, schema: dict[str, Any], level: int) -> None:
+        """Print the fields of one declaration as a table, then the declarations within it."""
         fields = {name: field for name, field in schema["properties"].items() if name != "kind"}
         if not fields:
             self.out.append("No fields.\n\n")
@@ -68,13 +86,24 @@ class _Made:
         required = schema.get("required", [])
         rows = [self._row(path, name, field, name in required) for name, field in fields.items()]
         self.out.append(TABLE + "".join(rows) + "\n")
-        for name, field in fields.items():
-            shown = _path(path, name) + ("[]" if field.get("type") == "array" else "")
-            for reference in _references(field):
-                home, title = self.homes[reference]
-                if home == shown and reference not in self.printed and reference != Nothing.__name__:
-                    self.printed.add(reference)
-                    self.struct(title, shown, self.declarations[reference], min(level + 1, 5))
+        if path:
+            for name, field in fields.items():
+                self.declarations_of(_path(path, name), field, level)
+
+    def declarations_of(self, full: str, field: dict[str, Any], level: int) -> None:
+        """Print what a field may hold; the only declaration of a page stands under the page's own heading."""
+        shown = full + ("[]" if field.get("type") == "array" else "")
+        for reference in _references(field):
+            home, title = self.homes[reference]
+            if home == shown and reference not in self.printed and reference != Nothing.__name__:
+                self.printed.add(reference)
+                declaration = self.declarations[reference]
+                if title != full or level > 1:
+                    level = max(level, 2)
+                    self.out.append(f"{'#' * level} {title}\n\n")
+                    if declaration.get("description"):
+                        self.out.append(f"{_sentence(declaration['description'])}\n\n")
+                self.fields(shown, declaration, min(level + 1, 4))
 
     def _row(self, path: str, name: str, field: dict[str, Any], required: bool) -> str:
         references = _references(field)
@@ -88,14 +117,27 @@ class _Made:
         if len(kinds) > 1:
             meaning += f" Kinds: {', '.join(kinds)}."
         elif kinds and self.homes[references[0]][0] != shown:
-            meaning += f" Fields as of [{self.homes[references[0]][1]}](#{_anchor(self.homes[references[0]][1])})."
-        return f"| `{full}` | {default} | {field.get('unit', '')} | {_bounds(field)} | {meaning} |\n"
+            heading = self.homes[references[0]][1]
+            meaning += f" Fields as of [{heading}]({self._place(references[0], shown)})."
+        linked = f"`{full}`" if path or not references else f"[`{full}`](scene/{name}.md)"
+        return f"| {linked} | {default} | {field.get('unit', '')} | {_bounds(field)} | {meaning} |\n"
 
     def _link(self, reference: str, shown: str) -> str:
         """Name a kind, linked where it stands under another path."""
-        home, heading = self.homes[reference]
         name = f"`{_kind(self.declarations[reference])}`"
-        return name if home == shown or reference == Nothing.__name__ else f"[{name}](#{_anchor(heading)})"
+        near = self.homes[reference][0] == shown or reference == Nothing.__name__
+        return name if near else f"[{name}]({self._place(reference, shown)})"
+
+    def _place(self, reference: str, shown: str) -> str:
+        """Return the link to a declaration from the page of a field."""
+        home, heading = self.homes[reference]
+        page = _table(home)
+        return f"{'' if page == _table(shown) else f'{page}.md'}#{_anchor(heading)}"
+
+
+def _table(shown: str) -> str:
+    """Return the table of the scene that a path begins with."""
+    return re.split(r"[.\[]", shown, maxsplit=1)[0]
 
 
 def _path(path: str, name: str) -> str:

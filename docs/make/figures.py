@@ -80,14 +80,18 @@ def beam(figure: Any) -> None:
     """Along-track width of a fan by the cone and by a wedge of azimuths."""
     axes = figure.subplots()
     height, width = 10.0, math.radians(2.5)
-    x = np.linspace(0.01, 30.0, 600)
-    r = np.hypot(x, height)
+    x = np.geomspace(0.05, 30.0, 800)
+    r, edge = np.hypot(x, height), height * math.tan(width / 2.0)
     cone = 2.0 * x * np.arcsin(np.minimum(np.sin(width / 2.0) * r / x, 1.0))
-    axes.plot(x, cone, color=ACCENT, lw=2, label="cone: 2x arcsin(r sin(w/2) / x)")
-    axes.plot(x, r * width, color=LIT, lw=1, ls="--", label="r w")
-    axes.plot(x, x * width, color=DARK, lw=1.5, label="wedge of azimuths: x w")
-    axes.set(xlabel="ground range (m), altitude 10 m", ylabel="width along the track (m)", ylim=(0, 1.5), xlim=(0, 30))
-    axes.legend()
+    axes.loglog(x, cone, color=ACCENT, lw=4, alpha=0.6, label="cone: 2x arcsin(min(1, r sin(w/2) / x))")
+    axes.loglog(x, r * width, color=INK, lw=1.2, ls="--", label="slant range: r w")
+    axes.loglog(x, x * width, color=LIT, lw=1.5, label="wedge of azimuths: x w")
+    axes.axvline(edge, color=DARK, lw=0.8, ls=":")
+    axes.annotate("all azimuths: πx", (0.95 * edge, 0.025), ha="right", color="#6b7683")
+    axes.set(xlabel="ground range (m), altitude 10 m", ylabel="arc of the bed in the beam (m)", ylim=(0.01, 8))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.legend(loc="upper left", fontsize=9)
 
 
 def scattering(figure: Any) -> None:
@@ -166,9 +170,9 @@ def caustics(figure: Any) -> None:
     import insonify
     from insonify.scene import edit
 
-    layers = {"kind": "profile", "depth": [0, 2, 14, 60], "sound_speed": [1540, 1530, 1490, 1487.5]}
+    layers = {"kind": "profile", "depth": [0, 24, 70], "sound_speed": [1570, 1490, 1487.5]}
     changes: dict[str, Any] = {
-        "seabed.depth": 54.0, "seabed.relief": "flat", "targets": (), "water": layers, "track.altitude": 38.0,
+        "seabed.depth": 64.0, "seabed.relief": "flat", "targets": (), "water": layers, "track.altitude": 38.0,
         "track.pings": 1, "sonar.beam": "knife", "sonar.pulse": "ideal", "sonar.range": 420.0, "sonar.bins": 4200,
         "sonar.ping_rate": 1.0, "seabed.material": {"name": "medium_sand", "diffuse": 0.2, "specular": 0.0},
     }  # fmt: skip
@@ -186,26 +190,35 @@ def multipath(figure: Any) -> None:
     """Geometry of the images in the sea surface."""
     axes = figure.subplots()
     d, h, x = 12.0, 10.0, 34.0
+    bed, heights = -d - h, {"sonar": -d, "image": d, "image of the image": d + 2.0 * h}
     axes.axhline(0.0, color=LIT, lw=2)
-    axes.axhline(-d - h, color=DARK, lw=2)
-    touch = x * d / (2.0 * d + h)
-    axes.plot([0, x], [-d, -d - h], color=ACCENT, lw=2)
-    axes.plot([0, touch, x], [-d, 0.0, -d - h], color=ACCENT, lw=2)
-    axes.plot([0, touch], [d, 0.0], color=ACCENT, lw=1, ls="--")
-    axes.plot([0, 0], [-d, d], "o", color=INK)
+    axes.axhline(bed, color=DARK, lw=2)
+    ways = (  # corners between the sonar and the point, and the image that they seem to come from
+        ("R", (14.5, -14.6), ACCENT, [], -d),
+        ("R$_s$", (23.2, -9.5), LIT, [0.0], d),
+        ("R$_{bs}$", (24.6, -3.6), INK, [bed, 0.0], d + 2.0 * h),
+    )
+    for name, place, color, touched, image in ways:
+        slope = (image - bed) / x
+        # Unfolded, the way is straight: it meets the bed at h below the sonar, the surface at twice the depths above.
+        falls = [h, 2.0 * h + d] if len(touched) == 2 else [d]
+        corners = [(fall / slope, z) for fall, z in zip(falls, touched)]
+        axes.plot(*zip((0.0, -d), *corners, (x, bed)), color=color, lw=1.8)
+        if corners:
+            axes.plot([0.0, corners[-1][0]], [image, 0.0], color=color, lw=1, ls="--")
+        axes.annotate(name, place, color=color)
+    for name, z in heights.items():
+        axes.plot(0.0, z, "o", color=INK)
+        axes.annotate(name, (-1.2, z), ha="right", va="center")
     for text, place, color in (
-        ("sonar", (-4.6, -d - 0.5), INK),
-        ("image", (-4.8, d - 0.5), INK),
-        ("R", (16.0, -16.0), ACCENT),
-        ("R$_s$", (20.5, -6.8), ACCENT),
-        ("sea surface", (25.0, 0.7), LIT),
-        ("bed", (25.0, -d - h - 2.0), "#6b7683"),
+        ("sea surface", (34.0, 0.8), LIT),
+        ("bed", (0.0, bed - 2.6), "#6b7683"),
         ("d", (-1.5, -6.5), INK),
         ("h", (-1.5, -17.5), INK),
     ):
         axes.annotate(text, place, color=color)
-    axes.plot([0, 0], [-d - h, 0], color=DARK, lw=0.8, ls=":")
-    axes.set(xlim=(-6, 36), ylim=(-25, 14), aspect="equal")
+    axes.plot([0, 0], [bed, 0], color=DARK, lw=0.8, ls=":")
+    axes.set(xlim=(-16, 42), ylim=(-26, 34), aspect="equal")
     axes.set_axis_off()
 
 
@@ -355,7 +368,7 @@ FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
     "error.svg": ((7.5, 3.2), error),
     "apparent.svg": ((7.0, 3.6), apparent),
     "caustics.svg": ((7.0, 3.6), caustics),
-    "multipath.svg": ((5.5, 4.6), multipath),
+    "multipath.svg": ((6.5, 6.5), multipath),
     "speckle.svg": ((6.5, 3.8), speckle),
     "data-flow.svg": ((11.0, 3.2), data_flow),
     "fractal-beds.jpg": ((7.2, 5.0), fractal_beds),

@@ -7,6 +7,7 @@ import shlex
 import tempfile
 from pathlib import Path
 
+import close_ups
 from pages import shrink
 
 CELL = re.compile(r"!\[[^\]]*\]\((gallery/[\w-]+\.jpg)\)<br>[^|]*?<br>`(insonify [^`]+)`")
@@ -28,4 +29,7 @@ def draw(docs: Path) -> None:
             words[words.index("-o") + 1] = str(drawn)
             if main(words) != 0:
                 raise SystemExit(f"{command}: failed")
+            name = Path(path).stem
+            if name in close_ups.PARTS:
+                close_ups.enlarge(name, drawn)
             shrink(drawn, docs / path)

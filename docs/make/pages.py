@@ -18,9 +18,11 @@ import re
 import shlex
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import close_ups
 from PIL import Image
 
 BLOCK = re.compile(r"^(<!-- \w+ -->\n)?```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -30,8 +32,9 @@ WIDTHS = {
     "chart": 1500,
     "chart-bent": 1500,
     "chart-rough": 1500,
+    "contact-sheet": 1100,
     "convergence": 1000,
-    "ghosts": 1200,
+    "learned": 1200,
     "handles": 1140,
     "lesson": 1400,
     "one-effect": 1400,
@@ -42,7 +45,7 @@ WIDTHS = {
     "window": 1400,
 }
 # Parts of a window, (left, top, right, bottom) in pixels of its picture, that a page shows instead of the whole.
-CLOSE_UPS = {
+OF_WINDOWS = {
     "controls": (1270, 62, 1600, 696),
     "handles": (0, 62, 1130, 650),
     "lesson": (0, 62, 1600, 640),
@@ -126,7 +129,8 @@ def _console(body: str, quick: bool) -> str:
         if not part.startswith("$ insonify") or skipped:
             out.append(part)
         else:
-            out.append(f"{command}\n{_insonify(words[1:])}")
+            printed = _planned(*words[2:]) if words[1] == "plan" else _insonify(words[1:])
+            out.append(f"{command}\n{printed}")
     return "".join(out)
 
 
@@ -138,6 +142,12 @@ def _insonify(words: list[str]) -> str:
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
         main(words)
     return printed.getvalue()
+
+
+@cache
+def _planned(*words: str) -> str:
+    """Return a plan, the same on all pages: its costs are measured."""
+    return _insonify(["plan", *words])
 
 
 def _python(body: str, names: dict[str, Any]) -> str:
@@ -153,9 +163,11 @@ def _keep_pictures(text: str, place: Path, folder: Path) -> None:
     for path, name in PICTURE.findall(text):
         drawn = folder / f"{name}.png"
         if drawn.exists():
-            if name in CLOSE_UPS:
+            if name in OF_WINDOWS:
                 with Image.open(drawn) as image:
-                    image.crop(CLOSE_UPS[name]).save(drawn)
+                    image.crop(OF_WINDOWS[name]).save(drawn)
+            if name in close_ups.PARTS:
+                close_ups.enlarge(name, drawn)
             shrink(drawn, place / path, WIDTHS.get(name, WIDTH))
 
 

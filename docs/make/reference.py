@@ -33,9 +33,8 @@ HOWTO_HEAD = """# How to
 Each page answers one question. The [reference](../reference/cli.md) lists every option and every
 [scene field](../reference/scene.md).
 
-| page | what it shows |
-|---|---|
 """
+HOWTO_TABLE = "## {group}\n\n| page | what it shows |\n|---|---|\n{rows}\n"
 
 
 def command_page() -> str:
@@ -109,12 +108,16 @@ def python_page() -> str:
 
 
 def howto_page() -> str:
-    """Return the list of how-to pages: title and first sentence of each, in the order of the navigation."""
-    navigation = (DOCS.parent / "mkdocs.yml").read_text(encoding="utf-8")
-    rows = []
-    for path in re.findall(r"howto/[\w-]+\.md", navigation):
-        if path != "howto/index.md":
+    """Return the list of how-to pages in the groups of the navigation: title and first sentences of each."""
+    _, _, rest = (DOCS.parent / "mkdocs.yml").read_text(encoding="utf-8").partition("howto/index.md\n")
+    groups, _, _ = rest.partition("\n  - ")
+    tables = []
+    for group, pages in re.findall(r"^ {6}- (.+):\n((?: {10}.*\n?)+)", groups, re.MULTILINE):
+        rows = []
+        for path in re.findall(r"[\w/-]+\.md", pages):
             title, _, body = (DOCS / path).read_text(encoding="utf-8").partition("\n\n")
             first = " ".join(body.partition("\n\n")[0].split())
-            rows.append(f"| [{title.removeprefix('# ')}]({Path(path).name}) | {first} |")
-    return HOWTO_HEAD + "\n".join(rows) + "\n"
+            place = Path(path).name if path.startswith("howto/") else f"../{path}"
+            rows.append(f"| [{title.removeprefix('# ')}]({place}) | {first} |")
+        tables.append(HOWTO_TABLE.format(group=group, rows="\n".join(rows)))
+    return HOWTO_HEAD + "\n".join(tables)

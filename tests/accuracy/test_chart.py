@@ -14,10 +14,18 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.accuracy.charts import kinds, reference
 from insonify.accuracy.charts.kinds import accuracy, convergence, cost
-from insonify.accuracy.charts.method_settings import EMBREE_OWN, PLAN, SWEEPS, list_settings, pack_for_chart
+from insonify.accuracy.charts.method_settings import (
+    EMBREE_OWN,
+    PLAN,
+    SWEEPS,
+    list_settings,
+    pack_for_chart,
+    plan_setting,
+)
 from insonify.accuracy.charts.style import fit_power_law
 from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import prepare
 from insonify.statistics.record_errors import Displacement, RecordErrors, compare_records, measure_similarity
 
 
@@ -51,6 +59,15 @@ SMALL = edit(
         "sonar.beam": {"kind": "fan", "width": 2.0}, "track.pings": 20, "track.start": [-2.0, 0.0],
     },
 )  # fmt: skip
+
+
+def test_the_default_plan_is_charted_as_its_record_is_made():
+    """Some pings take more planes than the plan chooses, so that each keeps the tolerance: the chart times them too."""
+    scene = edit(SMALL, {"targets": [{"kind": "pipe", "position": [0.0, 12.0], "heading": 40.0, "length": 8.0}]})
+    simulation = prepare(scene)
+    traced = simulation.trace_pings(simulation.poses(np.arange(20)))
+    assert traced.planes.max() > simulation.plan.planes
+    np.testing.assert_array_equal(plan_setting(scene).trace(simulation.poses(np.arange(20))), traced.echoes)
 
 
 def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
@@ -229,7 +246,7 @@ def test_a_power_law_is_found_with_its_spread():
 
 def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
     few = {"SECONDS": 0.5, "TARGETS": (1, 4), "PINGS": (4, 8, 16, 32), "STREAMED": (100, 400, 1600)}
-    few |= {"SIDES": (128, 256, 512), "DIVISIONS": (2, 3), "BINS": (0.5, 1.0, 2.0), "PLANES": (1, 2, 4)}
+    few |= {"BED_NODES": (128, 256, 512), "DIVISIONS": (2, 3), "BINS": (0.5, 1.0, 2.0), "PLANES": (1, 2, 4)}
     for name, values in few.items():
         monkeypatch.setattr(cost, name, values)
     told = []

@@ -26,8 +26,8 @@ from insonify.kernels.common.types import Poses
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.parallel import limited_threads
 from insonify.planning import MOST_PLANES, Plan
-from insonify.planning.choices.base import Case
-from insonify.planning.choices.fineness import OF_A_TARGET
+from insonify.planning.case import Case
+from insonify.planning.effects import OF_A_TARGET
 from insonify.planning.probe import trace_model, work_of
 from insonify.planning.selection import choose_model
 from insonify.scene import SceneError, edit

@@ -11,9 +11,9 @@ from controls import activate, drag
 from PySide6.QtCore import QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMenu
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 
-from insonify.scene import load_scene
+from insonify.scene import DEFAULT_SCENE, bundled_scenes, load_scene
 from insonify_viewer import application
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.gallery import Gallery
@@ -43,14 +43,12 @@ def click(widget, place: QPoint):
     QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=place)
 
 
-def when_it_opens(
-    window_type: type, do: Callable[[Any], None], on_top: Callable[[], Any] = QApplication.activeModalWidget
-):
-    """Do something in a dialog or a menu as soon as it takes keys, up to 4 minutes from now."""
+def when_it_opens(window_type: type, do: Callable[[Any], None]):
+    """Do something in a dialog as soon as it takes keys, up to 4 minutes from now."""
 
     def look(left: int = 4800):
-        dialog = on_top()
-        if isinstance(dialog, window_type) and (dialog.isActiveWindow() or isinstance(dialog, QMenu)):
+        dialog = QApplication.activeModalWidget()
+        if isinstance(dialog, window_type) and dialog.isActiveWindow():
             do(dialog)
         elif left:
             QTimer.singleShot(50, lambda: look(left - 1))
@@ -77,18 +75,18 @@ def test_a_picture_is_saved_and_another_scene_gives_its_record(viewer, hand, qtb
     # The window is as it opened.
     hand.reset_mock()
 
-    def show_pictures(menu):
-        hand(click, menu, menu.actionGeometry(window.scenes.pictures).center())
-
-    when_it_opens(QMenu, show_pictures, QApplication.activePopupWidget)
     hand(click, window.scenes, window.scenes.rect().center())
     qtbot.waitUntil(lambda: window.findChild(Gallery) is not None)
     pictures = window.findChild(Gallery).list
-    names = [Path(pictures.item(k).data(ROLE)).stem for k in range(pictures.count())]
+    files = [(item, item.data(ROLE)) for item in map(pictures.item, range(pictures.count()))]
+    heads, names = [item.text() for item, file in files if file is None], [Path(file).stem for _, file in files if file]
+    assert heads == ["As at sea", *heads[1:-1], "Where it breaks"]
+    assert sorted(names) == sorted(bundled_scenes())
     breaking = [name.startswith("breaks-") for name in names]
     assert breaking == sorted(breaking), "scenes on which a method fails come last"
-    assert names[0] == "default"
-    item = next(item for k in range(pictures.count()) if "pipe-on-bed" in (item := pictures.item(k)).data(ROLE))
+    assert names[0] == DEFAULT_SCENE
+    item = next(item for item, file in files if file and "pipe-on-bed" in file)
+    pictures.scrollToItem(item)
     qtbot.waitUntil(lambda: pictures.visualItemRect(item).isValid())
     hand(click, pictures.viewport(), pictures.visualItemRect(item).center())
     assert viewer.session.scene == load_scene("pipe-on-bed")
@@ -129,12 +127,14 @@ def begin(viewer):
 
 def test_five_steps_lead_through_the_window_back_and_out(open_viewer, small, qtbot):
     viewer = open_viewer(small)
-    tour, titles = begin(viewer), []
+    tour, titles, hands = begin(viewer), [], set()
     while tour.card is not None:
         titles.append(tour.card.title.text())
+        hands.add(tour.card.next.mapTo(viewer.window, tour.card.next.rect().bottomRight()).toTuple())
         assert viewer.window.rect().contains(QRect(tour.card.pos(), tour.card.size()))
         assert tour.card.words.height() >= tour.card.words.heightForWidth(tour.card.words.width())
         qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    assert len(hands) == 1, "the button stays under the hand"
     assert [title.split(":")[0] for title in titles] == [f"{number} of 5" for number in range(1, 6)]
     # It goes back and is skipped while the window stays free.
     tour = begin(viewer)
@@ -143,6 +143,11 @@ def test_five_steps_lead_through_the_window_back_and_out(open_viewer, small, qtb
     qtbot.mouseClick(tour.card.back, Qt.MouseButton.LeftButton)
     assert tour.card.title.text().startswith("1 of 5")
     assert viewer.session.settle({"track.altitude": 7.0})
+    # The frame follows its widget.
+    qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
+    dock = viewer.window._docks.by_panel["parameters"]
+    viewer.window.resizeDocks([dock], [dock.width() + 40], Qt.Orientation.Horizontal)
+    qtbot.waitUntil(lambda: tour._outline.geometry() == QRect(dock.mapTo(viewer.window, QPoint(0, 0)), dock.size()))
     viewer.window.resize(960, 600)
     assert viewer.window.rect().contains(tour.card.geometry())
     qtbot.mouseClick(tour.card.skip, Qt.MouseButton.LeftButton)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from controls import activate, assert_side_by_side, colours_of, finish, scenes_by_rows
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QAction, QGuiApplication, QImage, QKeySequence, QPainter, QShortcut
 from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
@@ -19,14 +19,15 @@ from insonify.scene import bundled_scenes, edit, load_scene, scene_from_toml
 from insonify_viewer.application import enlarge_text
 from insonify_viewer.panels.panel import Entry
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
-from insonify_viewer.record.projection import Projection, Zoom, name_scale, plot_at_true_scale
+from insonify_viewer.record.projection import Projection, Zoom, name_scale
 from insonify_viewer.record.record_overlays import draw_measured, draw_range_ruler, write_towed
 from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.widgets.field_rows import Combo, NameLabel
-from insonify_viewer.widgets.theme import Theme, apply_theme
+from insonify_viewer.widgets.theme import RAISED, Theme, apply_theme
 from insonify_viewer.window.command_palette import find_entries
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
+from insonify_viewer.window.main_window import place_beside
 
 
 @pytest.mark.parametrize("name", scenes_by_rows())
@@ -87,22 +88,44 @@ def test_the_arrow_of_a_list_stands_clear_of_its_edge(theme, scale, qtbot, qapp)
     assert len(ink) - 1 - drawn[-1] >= 1
 
 
-def test_a_plot_is_at_true_scale_where_it_fits_and_metres_towed_are_written_to_tenths():
+def test_the_scale_is_named_and_metres_towed_are_written_to_tenths():
     room = QRect(64, 24, 500, 700)
-    plot = plot_at_true_scale(room, 100.0, 100.0)
-    assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
-    assert name_scale(plot, 100.0, 100.0) == "1 : 1"
-    assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
+    assert name_scale(room, 140.0, 100.0) == "1 : 1"
     names = {20.0: "track × 7", 1400.0: "track ÷ 10", 1.25: "track × 112", 56.0: "track × 2.5"}
     assert {along: name_scale(room, along, 100.0) for along in names} == names
     written = {(54.4912, 6.0): "54.5 m", (6.0541, 6.0): "6.1 m", (100.0, 20.0): "100 m", (0.05, 0.05): "0.05 m"}
     assert {given: write_towed(*given) for given in written} == written
 
 
+ENDS = [((30, 40), (60, 40)), ((380, 150), (340, 150)), ((200, 290), (201, 20)), ((20, 9), (390, 9))]
+
+
+@pytest.mark.parametrize("ends", ENDS)
+def test_what_is_measured_stands_beside_its_line(ends, qapp):
+    image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(0, 0, 400, 300)
+    image.fill(0)
+    first, last = (QPoint(*end) for end in ends)
+    with QPainter(image) as painter:
+        draw_measured(painter, plot, (first, last), "2.90 m on the bed\nslant range 2.00 m")
+    drawn = colours_of(image) == (RAISED.rgb() & 0xFFFFFF)
+    (x, y) = (np.flatnonzero(drawn.any(axis=axis)).tolist() for axis in (0, 1))
+    found = QRect(QPoint(x[0], y[0]), QPoint(x[-1], y[-1]))
+    assert plot.contains(found)
+    assert not found.intersects(QRect(first, last).normalized())
+
+
+@pytest.mark.parametrize(("left", "x"), [(0, 900), (700, 180), (300, 1080), (400, 0)])
+def test_another_window_opens_beside(left, x):
+    screen, window = QRect(0, 0, 1600, 1000), QRect(left, 40, 900, 700)
+    assert place_beside(window, QSize(520, 400), screen) == QPoint(x, 40)
+
+
 def test_a_measurement_stays_within_a_narrow_record(qapp):
     image, plot = QImage(400, 300, QImage.Format.Format_RGB32), QRect(100, 0, 190, 300)
     image.fill(0)
-    words = "2.90 m on the bed: 0.00 m along, 2.90 m across\nas a shadow: target 1.08 m high, 1.19 m if round"
+    words = (
+        "2.90 m on the bed: 0 m along the heading of 90°, 2.9 m across\nas a shadow: target 1.08 m high, 1.2 m if round"
+    )
     with QPainter(image) as painter:
         draw_measured(painter, plot, (QPoint(180, 60), QPoint(200, 60)), words)
     drawn = colours_of(image)
@@ -128,20 +151,26 @@ def test_the_name_of_the_range_leaves_room_for_words_to_its_left(width, qapp):
         assert 0.5 * (drawn[0] + drawn[-1]) == pytest.approx(70 + 300, abs=3), "in the middle where there is room"
 
 
-def test_the_record_is_at_true_scale_and_leaves_no_empty_room_and_panels_stay_in_the_window(open_viewer, small, qtbot):
+def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"track.pings": 512}))
     window, waterfall, lessons = viewer.window, viewer.window.waterfall, viewer.panels["lessons"].widget
-    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
-    # 100 pings of 0.2 m; 40 bins of 0.5 m.
-    assert other.y() - one.y() == pytest.approx(other.x() - one.x(), rel=0.03)
+    filled, whole = waterfall.plot_area, Zoom()
+    assert waterfall.projection.zoom == whole
+    viewer.session.show(scale="true")
+    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(480, 1, 8))
+    # 20 pings of 0.2 m; 8 bins of 0.5 m.
+    assert other.y() - one.y() == pytest.approx(other.x() - one.x(), abs=2)
+    assert waterfall.plot_area == filled
+    viewer.session.show(scale="fill")
     viewer.session.settle({"track.speed": 1.0})
     assert waterfall.mark_at(waterfall.place_of(Mark(500, 1, 0))) == Mark(500, 1, 0)
     viewer.session.undo()
     window.resize(1560, 980)
     qtbot.waitUntil(lambda: waterfall.height() > 800)
     plot, area = waterfall.plot_area, waterfall.trace_area()
-    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
     assert plot.height() + area.height() > 0.85 * waterfall.height()
+    assert plot.width() >= waterfall.width() - 110, "but for the rulers"
+    assert area.height() <= 0.2 * waterfall.height()
     # Panels at both sides stay within the window, and return to their places.
     shown = [viewer.panels["parameters"].widget, waterfall]
     for width in (780, 900, 1000, 1600, 900):

@@ -2,15 +2,21 @@
 
 import re
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QToolBar
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtWidgets import QApplication, QToolBar, QWidget
 
 from insonify.display.display_options import DisplayOptions
-from insonify.scene import SceneError, edit, load_scene
+from insonify.scene import SceneError, bundled_scenes, edit, load_scene
+from insonify_viewer.application import make_application
+from insonify_viewer.panels.parameters.view.control_strip import ControlStrip
 from insonify_viewer.state.playlist import Preset, read_playlist, write_playlist
+from insonify_viewer.state.sections import alone, sections_of
+from insonify_viewer.widgets.field_rows import NumberRow
+from insonify_viewer.widgets.theme import lecture_scale
 
 
 def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer, small, qtbot, tmp_path, monkeypatch):
@@ -70,6 +76,49 @@ def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer,
     file.write_text("[[preset]]\nscene = 3\n")
     presets.open(str(file))
     assert "lecture.toml: preset 1: scene = 3 is not valid" in window.status.sentence.text()
+
+
+@pytest.mark.parametrize("percent", [100, 150, 200, 250])
+def test_the_strip_shows_every_name_and_value_whole_on_every_screen(percent, qtbot):
+    make_application()
+    for name, path in bundled_scenes().items():
+        scene = load_scene(path)
+        rows = {field.path: alone(field) for section in sections_of(scene) for field in section.parameters}
+        strip = ControlStrip(lambda *_: None, lambda *_: None)
+        qtbot.addWidget(strip)
+        font = strip.font()
+        font.setPointSizeF(font.pointSizeF() * percent / 100)
+        strip.setFont(font)
+        strip.show()
+        strip.show_fields([rows[path] for path in scene.controls if path in rows])
+        for width in (1280, 1600, 1920, 2560, 3840):
+            strip.resize(width, strip.height())
+            strip.resize(width, strip.sizeHint().height())
+            shown = [row for row in strip.rows.values() if row.label.isVisible()]
+            assert len(shown) >= min(len(strip.rows), 2), (name, width)
+            assert strip.sizeHint().height() <= 6 * strip.fontMetrics().height() * lecture_scale(strip) + 20
+            for row in shown:
+                for part in filter(QWidget.isVisible, row.parts):
+                    inside = QRect(part.mapTo(strip, QPoint()), part.size())
+                    assert strip.rect().contains(inside), (name, width, row.label.text())
+                assert row.label.width() >= row.label.sizeHint().width(), (name, width, row.label.text())
+                if isinstance(row, NumberRow):
+                    text = row.field.fontMetrics().horizontalAdvance(row.field.text())
+                    assert row.field.width() >= text + 8, (name, width, row.field.text())
+        assert len(shown) == len(strip.rows), (name, "at the greatest width")
+
+
+def test_presets_have_names_of_their_own_and_all_of_them_show(viewer):
+    lecture = viewer.window.lecture
+    for key in range(1, 10):
+        lecture.preset_kept.emit(key)
+    lecture.preset_named.emit(3, "Low & slow")
+    lecture.action.trigger()
+    buttons = [lecture._presets.itemAt(k).widget() for k in range(lecture._presets.count())]
+    assert [button.accessibleName().partition("  ")[0] for button in buttons] == list("123456789")
+    assert buttons[2].accessibleName() == "3  Low & slow"
+    assert not any(a.geometry().intersects(b.geometry()) for a, b in pairwise(buttons))
+    lecture.action.trigger()
 
 
 def test_a_playlist_is_read_as_it_was_written(tmp_path):

@@ -1,5 +1,6 @@
 """The lessons' panel in a window: steps are noticed, fields are lit, and scenes follow."""
 
+import re
 from typing import Any
 from unittest.mock import Mock
 
@@ -245,6 +246,14 @@ def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, 
     text = file.read_text(encoding="utf-8")
     assert "- **Answer**: Slower" in text
     assert all((tmp_path / f"page-{step}.png").exists() and f"page-{step}.png" in text for step in (1, 2, 3))
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.ask_where_to_save", lambda *_: tmp_path / "page.pdf")
+    summary.save.click()
+    printed = (tmp_path / "page.pdf").read_bytes()
+    assert printed.startswith(b"%PDF")
+    widths = [int(width) for width in re.findall(rb"/Subtype /Image\n/Width (\d+)", printed)]
+    assert len(widths) == 3
+    assert min(widths) > 200, "each is the record, not the sign of a missing picture"
+    assert len([*tmp_path.iterdir()]) == 5, "of a PDF no pictures lie beside it"
     panel.leave()
     viewed = panel.view.list
     assert viewed.results.isEnabled() is (viewed.lessons.currentRow() == 0)
@@ -285,10 +294,13 @@ def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_le
     viewer, panel = open_lessons(RANGE, parse_lesson(one_sided, "port"))
     viewer.session.settle({"track.altitude": 7.0})
     mine = viewer.session.scene
+    assert viewer.saving.unsaved
     monkeypatch.setattr(QMessageBox, "question", Mock(side_effect=AssertionError("asked")))
     panel.view.list.start.click()
     panel.move()
     panel.start("range")
+    panel.move()
+    assert not viewer.saving.unsaved, "what a lesson changes is nobody's work"
     assert panel.progress is not None
     while viewer.session.scene != mine:
         viewer.session.undo()
@@ -309,17 +321,17 @@ def test_a_lesson_asks_nothing_and_leaves_scene_and_display_as_they_were(open_le
     # It shows both sides unless it names one, and restores the display.
     keep_display(viewer)
     session, settings = viewer.session, viewer.window.settings
-    session.show(side="starboard", scale="fill")
+    session.show(side="starboard", scale="true")
     mine = session.display
     panel.start("port")
-    assert (session.display.side, session.display.scale, session.display.water_column) == ("port", "fit", False)
+    assert (session.display.side, session.display.scale, session.display.water_column) == ("port", "fill", False)
     panel.start("range")
     assert (session.display.side, session.display.scale, session.display.water_column) == ("both", "true", True)
     panel.leave()
     assert session.display == mine
     panel.start("port")
     viewer.window.close()
-    assert settings.display == {"side": "starboard", "scale": "fill"}, "kept for the next start"
+    assert settings.display == {"side": "starboard", "scale": "true"}, "kept for the next start"
 
 
 def test_a_lecture_is_full_screen_in_large_type_with_the_record_on_more_than_half(open_lessons, qtbot, qapp):

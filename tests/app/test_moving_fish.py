@@ -93,6 +93,7 @@ def _looks(view) -> float:
 
 def test_the_camera_is_reset_and_kept_within_its_limits_and_a_slider_moves_the_fish_once_a_drawing(viewer, qtbot):
     view = viewer.seabed.view
+    view.eases = False
     camera = view._canvas.plotter.camera
     home, focus = np.array(camera.position), np.array(camera.focal_point)
     reach = view._reach

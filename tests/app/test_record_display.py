@@ -113,6 +113,9 @@ def test_a_ground_range_is_that_of_a_level_bed(record):
 def test_a_zoom_keeps_its_place_within_the_picture_and_one_to_true_scale_shows_the_newest_part_of_a_long_track():
     for newest_on_top, shown in ((True, Zoom(lower=pytest.approx(0.2))), (False, Zoom(upper=pytest.approx(0.8)))):
         assert zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=newest_on_top) == shown
+    # On a short track, less of the range.
+    cut = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 100.0, newest_on_top=True)
+    assert cut == Zoom(left=pytest.approx(0.25), right=pytest.approx(0.75))
     zoom = Zoom().about(0.25, 0.75, 4.0)
     assert zoom.left + 0.25 * (zoom.right - zoom.left) == pytest.approx(0.25)
     assert zoom.upper + 0.75 * (zoom.lower - zoom.upper) == pytest.approx(0.75)
@@ -231,7 +234,7 @@ def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_opt
     a, b = (colours_of(each).view(np.uint8).astype(int) for each in (upright, turned))
     assert np.abs(a - b).mean() < 2.0
     # Options reach a recording.
-    viewer.session.show(newest_on_top=True, scale="fit", side_gains=(0.0, 0.0))
+    viewer.session.show(newest_on_top=True, scale="fill", side_gains=(0.0, 0.0))
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
     assert viewer.window.waterfall._look == viewer.window.record_a._look == viewer.session.display
 

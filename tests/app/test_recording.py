@@ -153,6 +153,15 @@ def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(v
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
 
 
+def test_a_mosaic_is_offered_the_recording_that_is_open(viewer, folder, qtbot, monkeypatch):
+    view, offered = viewer.panels["jobs"].widget, []
+    monkeypatch.setattr(QFileDialog, "getOpenFileNames", lambda *asked: (offered.append(asked[2]), ([], ""))[1])
+    view.mosaic.click()
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    view.mosaic.click()
+    assert offered == ["", str((folder / "record.xtf").resolve())]
+
+
 def test_a_click_into_a_recording_tells_of_its_pixel_and_explains_none_of_the_simulated_record(viewer, folder, qtbot):
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     pixel, view = viewer.panels["pixel"].view, viewer.window.record_a
@@ -169,6 +178,14 @@ def test_a_click_into_a_recording_tells_of_its_pixel_and_explains_none_of_the_si
     assert f"at {ground:.2f} m ground range, grazing angle {np.degrees(np.arcsin(altitude / slant)):.1f}°" in said
     assert "dB re median at its range" in pixel.sentence.text()
     assert "in the water column" in explain_point(recording, Mark(250, 0, 2))[1]
+    # The same place of the simulated record is one click away.
+    live, links = viewer.window.waterfall, viewer.comparison.links
+    assert pixel.same_place.isVisible()
+    pixel.same_place.click()
+    same = links.find_place(view, live, found)
+    assert viewer.inspection.mark == same
+    assert same is not None
+    assert not pixel.same_place.isVisible()
     # Where it is wiped over the live record, too.
     live, overlay = viewer.window.waterfall, viewer.window.overlay
     narrow = live.width()
@@ -323,7 +340,7 @@ def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_th
 def test_a_long_recording_is_played_from_its_file_until_that_is_gone(viewer, folder, tmp_path, qtbot, monkeypatch):
     whole = recording_module.load_recording(str(folder / "record.xtf"))
     monkeypatch.setattr(recording_module, "MOST_IN_MEMORY", 0)
-    monkeypatch.setattr(io_recording, "FEW", 0)
+    monkeypatch.setattr(io_recording, "FEW_ECHOES", 0)
     path = tmp_path / "record.xtf"
     path.write_bytes((folder / "record.xtf").read_bytes())
     recording = open_recording(viewer, path, qtbot)

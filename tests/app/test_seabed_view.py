@@ -27,6 +27,7 @@ from insonify_viewer.seabed.bed_shading import LAMP, BedPatch, cast_shadows
 from insonify_viewer.seabed.cameras import CAMERAS
 from insonify_viewer.seabed.fan_sheet import STEP as RAYS_APART
 from insonify_viewer.seabed.fan_sheet import fan_sheet
+from insonify_viewer.seabed.pv_meshes import scan_line
 from insonify_viewer.seabed.seabed_canvas import CLOSER, STEP
 from insonify_viewer.seabed.seabed_view import FARTHEST, LOWEST, NEAREST, STEEPEST
 from insonify_viewer.widgets.painting import make_polyline
@@ -299,8 +300,17 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     assert sight(viewer)[1][:2] == pytest.approx(target.position[:2])
     assert np.linalg.norm(away(viewer)) < 0.5 * viewer.session.scene.sonar.range
     assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
-    # The camera goes to its places, and follows the towfish.
+    # The camera glides to its places, and follows the towfish.
+    before = sight(viewer)
+    view.eases = True
     viewer.window.reset_view.trigger()
+    assert np.allclose(sight(viewer), before)
+    qtbot.waitUntil(lambda: not view._gliding.isActive())
+    assert view.follows
+    view.eases = False
+    home = sight(viewer)
+    viewer.window.reset_view.trigger()
+    assert np.allclose(sight(viewer), home)
     seen = {}
     for camera in CAMERAS:
         trigger(viewer, camera)
@@ -318,6 +328,25 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     assert viewer.seabed.view.follows
 
 
+def test_the_altitude_and_range_of_the_sonar_stand_in_the_view_and_a_bed_far_from_the_fish_is_not_missed(viewer):
+    view, scene, pose = viewer.seabed.view, viewer.session.scene, viewer.seabed.view._pose
+    assert view._swath.range.GetInput() == f"{scene.sonar.range:g} m"
+    assert float(view._swath.altitude.GetInput().split()[0]) == pytest.approx(scene.track.altitude, abs=0.2)
+    assert not view._swath.level.visibility
+    simulation, far = viewer._answer.simulation, pose._replace(x=pose.x + 500.0)
+    scanned = scan_line(simulation.ground, simulation.arrays, far)
+    view.show_scan(simulation.arrays, far, scanned, np.zeros(2 * scene.sonar.bins, np.float32))
+    assert view._swath.level.visibility
+    assert view._swath.level.position[0] == pytest.approx(float(far.x[0]))
+    # Nor is a place of the bed that the camera shows, when the fish comes from far away.
+    view.eases = False
+    view.show_sonar(simulation.arrays, far, 0.0)
+    viewer.seabed.reset_camera((12.0, 5.0))
+    for each in (far, pose):
+        view.show_sonar(simulation.arrays, each, 0.0)
+    assert sight(viewer)[1] == pytest.approx([12.0, 5.0, 0.0])
+
+
 def angles(viewer) -> np.ndarray:
     """Bearing and slope from the focus to the camera, in degrees."""
     x, y, z = away(viewer)
@@ -333,6 +362,7 @@ def turned_by(viewer, act: Callable[[], None]) -> np.ndarray:
 
 
 def test_keys_turn_and_zoom_the_scene_within_its_limits_and_all_others_are_those_of_the_window(viewer, qtbot):
+    viewer.seabed.view.eases = False
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
     activate(viewer.window, qtbot)

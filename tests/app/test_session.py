@@ -138,9 +138,12 @@ def test_dunes_pass_for_the_pattern_there_was(default):
 def test_light_leaves_the_water_out_and_the_gain_makes_its_absorption_good(default):
     scene = edit(default, {"receiver.tvg": "power", "water.absorption": 97.0})
     assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
-    session = Session(edit(default, {"receiver.reverberation": "volume"}))
+    deep = {"receiver.reverberation": "volume", "water.kind": "profile", "water.surface": "flat", "sonar.bounces": 1}
+    session = Session(edit(default, deep))
     assert session.settle({"sonar.law": "light"})
-    assert (session.scene.sonar.law, session.scene.receiver.reverberation.kind) == ("light", "none")
+    scene = session.scene
+    assert (scene.sonar.law, scene.receiver.reverberation.kind, scene.sonar.bounces) == ("light", "none", 0)
+    assert (scene.water.kind, scene.water.surface.kind) == ("uniform", "none")
 
 
 def test_sliders_end_where_the_scene_does(default):

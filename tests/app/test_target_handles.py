@@ -15,6 +15,7 @@ from insonify.simulation import prepare
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.record.record_handles import TIPS, RecordHandles
 from insonify_viewer.seabed.handle_geometry import Handle, drag_edit, echo_mark, echo_marks, handles_of, target_at
+from own_kinds import own_kinds
 
 BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "heading": 30.0}
 
@@ -84,9 +85,9 @@ ASIDE, FARTHER = (12.0, -16.0, 0.0), (12.0, -14.0, 0.0)
         (BOX, "move", (12.0, -20.0, 0.0), (15.0, -22.5, 0.3), {"position": [15.0, -22.5]}),
         (BOX, "turn", EAST, NORTH, {"heading": 120.0}),
         (BOX, "turn", NORTH, EAST, {"heading": -60.0}),
-        (BOX, "resize", EAST, (20.0, -20.0, 0.0), {"size": [8.0, 4.0, 3.0]}),
+        (BOX, "resize", EAST, (20.0, -20.0, 0.0), {"size.0": 8.0, "size.1": 4.0, "size.2": 3.0}),
         ({"kind": "pipe", "radius": 0.5, "length": 20.0}, "thicken", ASIDE, FARTHER, {"radius": 0.75}),
-        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, "thicken", ASIDE, FARTHER, {"size": [4.0, 3.0, 2.25]}),
+        ({"kind": "box", "size": [4.0, 2.0, 1.5]}, "thicken", ASIDE, FARTHER, {"size.1": 3.0, "size.2": 2.25}),
         ({"kind": "cone", "radius": 0.5, "height": 1.2}, "thicken", ASIDE, FARTHER, {"height": 1.8}),
     ],
 )
@@ -141,7 +142,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     finish(viewer, qtbot, viewer.open, scene)
     for where, lowest, highest in ((record, 0.8, 1.4), (view, 0.6, math.inf)):
         drag_handle(viewer, where, "thicken")
-        assert session.history.undoable[0] == "pipe 1 radius"
+        assert session.history.undoable[0] == "pipe 1 thickened"
         assert lowest < session.scene.targets[0].radius < highest
         assert session.scene.targets[0].length == 6.0
         finish(viewer, qtbot, session.undo)
@@ -155,7 +156,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     assert session.scene.targets[0].scale == 0.2
 
 
-@pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere"])
+@pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere", "wreck", "hoop", "dumbbell"])
 def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles.
 
@@ -163,7 +164,11 @@ def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     """
     special = {"mesh": {"path": "wreck"}, "pipe": {"heading": 90.0}}
     target = {"kind": kind, "position": [12.0, -20.0]} | special.get(kind, {})
-    scene = edit(load_scene("default"), {"targets": [target]})
+    with own_kinds():  # two of another package among them
+        _check_handles(kind, edit(load_scene("default"), {"targets": [target]}))
+
+
+def _check_handles(kind, scene):
     handles, changed = handles_of(prepare(scene), 0), set()
     beside = [handle.place[:2] for handle in handles if handle.action == "thicken"]
     assert bool(beside) is (kind in ("box", "cone", "pipe"))
@@ -171,8 +176,8 @@ def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     for handle in handles:
         if handle.action in ("resize", "thicken", "raise"):
             away = tuple(2.0 * now - middle for now, middle in zip(handle.place, (12.0, -20.0, 0.0), strict=True))
-            changed |= {path.rpartition(".")[2] for path in drag_edit(scene, handle, handle.place, away)}
-    sizes = {"length", "size", "radius", "height", "scale"} & set(type(scene.targets[0]).model_fields)
+            changed |= {path.split(".")[2] for path in drag_edit(scene, handle, handle.place, away)}
+    sizes = {"length", "size", "radius", "height", "scale", "tube"} & set(type(scene.targets[0]).model_fields)
     assert changed == sizes
 
 

@@ -111,7 +111,7 @@ def trace_call(simulation, **settings):
 
 
 def count_planes(simulation, planes):
-    return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0][1].azimuth.size
+    return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0].of(0).azimuth.size
 
 
 def test_an_array_beside_a_fan_of_as_many_planes(say):

@@ -115,13 +115,12 @@ def test_scenes_lists_names_and_titles_and_says_what_some_of_them_show(capsys, t
 
 def test_plan_names_the_method(capsys):
     assert main(["plan", "default"]) == 0
-    table = capsys.readouterr().out.splitlines()
-    assert table[0].split() == ["Modelled", "error", "cost"]
-    assert table[1].split()[0] == "sweep"
+    page = capsys.readouterr().out
+    assert [line.split()[0] for line in page.splitlines()[:4]] == ["Tolerance", "Error", "Planes", "Cost"]
+    assert page.partition("\nModelled")[2].splitlines()[1].split()[0] == "sweep"
     assert main(["plan", "default", "--method", "rays", "--model", "targets=off", "--set", "track.pings=9"]) == 0
-    printed = capsys.readouterr().out
-    assert printed.splitlines()[1].split()[0] == "rays"
-    _, left_out = printed.split("\nLeft out", 1)
+    modelled, left_out = capsys.readouterr().out.partition("\nModelled")[2].split("\nLeft out", 1)
+    assert modelled.splitlines()[1].split()[0] == "rays"
     assert left_out.splitlines()[1].split()[:2] == ["3", "targets"]
 
 

@@ -77,7 +77,7 @@ def test_the_examples_of_the_readme_run_as_printed_in_a_fresh_clone(line, clone)
 def test_there_are_commands_to_try_in_the_environment_that_the_first_of_the_readme_makes():
     """``uv run`` syncs the default groups, which hold every extra that an example needs."""
     assert len(commands()) > 30
-    assert len(EXAMPLES) >= 8
+    assert len(EXAMPLES) >= 4
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]
@@ -166,3 +166,15 @@ def test_pages_pictures_and_paths_that_code_and_documentation_name_exist():
         for path in re.findall(rf"`([\w.-]+(?:/[\w.-]+)+(?:{known}))`", prose):
             place = re.sub(r"/NAME\.\w+$", "", path)
             assert any((root / place).exists() for root in roots), f"{page}: {path}"
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_from_outside_the_site_lead_to_files_and_headings(name):
+    """`mkdocs build --strict` checks the links of the pages themselves."""
+    for path, heading in re.findall(
+        r"\]\((?!https:)([^)\s#]+)(?:#([\w-]+))?[^)]*\)", (ROOT / name).read_text(encoding="utf-8")
+    ):
+        assert (ROOT / path).is_file(), path
+        titles = re.findall(r"^#+ (.*)$", PAGES.get(path, ""), re.MULTILINE)
+        known = {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", title).strip().lower()) for title in titles}
+        assert not heading or heading in known, f"{path}#{heading}"

@@ -16,7 +16,7 @@ import pytest
 
 from insonify.display import example
 from insonify.display.normalisation import LevelBed
-from insonify.scene import bundled_scenes, edit, load_scene
+from insonify.scene import DEFAULT_SCENE, bundled_scenes, edit, load_scene
 from insonify.simulation import prepare
 
 GOLDEN = Path(__file__).parent.parent / "golden" / "records.json"
@@ -85,14 +85,14 @@ def test_a_record_is_what_it_was(name: str, request: pytest.FixtureRequest) -> N
 
 
 def test_the_example_is_the_record_of_the_default_scene_as_it_is_traced_and_of_no_other_scene_or_version(monkeypatch):
-    scene = load_scene("default")
+    scene = load_scene(DEFAULT_SCENE)
     shipped, pings = example.read_example(scene), np.arange(scene.track.pings)
     assert shipped is not None, "run python docs/make example"
     traced = LevelBed(prepare(scene)).amplitudes(pings)
     assert shipped.shape == traced.shape
     assert shipped.dtype == traced.dtype
     off, whole = (np.linalg.norm(each, axis=(1, 2)) for each in (shipped - traced, traced))
-    assert off.max() <= 3e-6 * whole.min()  # by which processors may differ
+    assert off.max() <= 2.5e-4 * whole.min()  # the bits that are not stored
     assert ((shipped == 0.0) == (traced == 0.0)).all()
     assert example.FILE.stat().st_size <= 2_000_000
     assert example.read_example(edit(scene, {"seed": scene.seed + 1})) is None

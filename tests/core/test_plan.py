@@ -12,11 +12,13 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drawn_scenes import scenes
+from insonify.explanation.plan_page import write_plan_page
 from insonify.packing.packed_scene import Model, pack
 from insonify.planning import MOST_PLANES, plan, probe
-from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import Case
-from insonify.planning.probe import FEW, MOST, add_loud_pings, trace_model
+from insonify.planning.case import Case
+from insonify.planning.effects import BY_SUBJECT
+from insonify.planning.plan_entries import percent
+from insonify.planning.probe import MEASURED, MOST, add_loud_pings, trace_model
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings, spread_over_track
 from insonify.planning.selection import check_request, choose_for_case, choose_model
 from insonify.scene import Scene, SceneError, edit, load_scene
@@ -146,13 +148,12 @@ def test_models_of_any_fineness_are_judged_by_little_work(method, tolerance, mon
 @pytest.mark.parametrize(("method", "field", "steps"), [("march", "step", -2), ("rays", "rays", 3)])
 def test_errors_predicted_beyond_those_measured_are_near_them(method, field, steps, monkeypatch):
     case = Case(pack(edit(DEFAULT, {"sonar.bins": 200})), method, {})
-    choice = next(one for one in CHOICES if one.field == field)
     start = Model(method, rays=200 if method == "march" else 8000, step=0.1 * (method == "march"))
     fine = start._replace(**{field: getattr(start, field) * 2**steps})
-    measured = choice.error(case, fine)
-    monkeypatch.setattr(probe, "MOST", FEW * case.work(start._replace(rays=2 * start.rays)) * 2.0)
-    assert choice.error(case, fine) == pytest.approx(measured, rel=0.5)
-    assert choice.error(case, fine) != measured
+    measured = BY_SUBJECT[field].error(case, fine)
+    monkeypatch.setattr(probe, "MOST", MEASURED * case.work(start._replace(rays=2 * start.rays)) * 2.0)
+    assert BY_SUBJECT[field].error(case, fine) == pytest.approx(measured, rel=0.5)
+    assert BY_SUBJECT[field].error(case, fine) != measured
 
 
 COHERENT = {"receiver.speckle": "coherent"}
@@ -394,6 +395,42 @@ def test_a_face_that_glints_into_few_pings_is_among_them_and_a_level_bed_has_non
     assert (add_loud_pings(level, chosen(level.scene)).all == chosen(level.scene).all).all()
 
 
+@pytest.mark.parametrize(
+    ("name", "changes", "place"),
+    [
+        ("default", {}, "the pipe, targets.0"),
+        ("pipe-on-bed", {"sonar.beam": {"kind": "fan", "width": 1.0}, "track.pings": 60}, ""),
+        ("ripples", {"track.pings": 40}, ""),
+    ],
+)
+def test_the_page_of_a_plan_states_the_numbers_of_its_record(name, changes, place):
+    scene = edit(load_scene(name), changes)
+    page = "\n".join(write_plan_page(scene))
+    found = prepare(scene).record_whole(False, None).columns
+    errors, planes = found["ping_error"], found["planes"]
+    assert f"Error      {percent(float(found['record_error']))} of the record; {percent(errors.max())} of ping " in page
+    assert f"of ping {int(errors.argmax())}, the worst" in page
+    least, most = planes.min(), planes.max()
+    counts = f"{least} least, {int(np.median(planes))} median, {most} most"
+    assert (counts if least < most else f"{most} across the beam in every ping") in page
+    assert place in page
+    for line, entry in ((line, entry) for line in page.splitlines() for entry in plan(scene).entries):
+        if line.strip().startswith(entry.choice) and not entry.modelled:
+            assert f" {percent(entry.error)} (" in line
+    assert all(len(line) <= 80 for line in page.splitlines())
+
+
+def test_a_page_says_which_cheaper_model_is_not_taken_and_why():
+    next_cheaper = " ".join(write_plan_page(edit(load_scene("ghosts"), {"track.pings": 24}))).partition(
+        "Next cheaper: "
+    )[2]
+    error, allowed = map(float, re.search(r"errs by ([\d.]+) % and may err by ([\d.]+) %", next_cheaper).groups())
+    assert error > allowed == 0.5
+    knife = write_plan_page(edit(BARE, {"sonar.beam": "knife", "seabed.relief": "flat", "track.pings": 8}))
+    assert knife[-1] == "Next cheaper: none; nothing more can be left out of this scene"
+    assert not any(line.startswith("Planes") for line in knife) or "1 across the beam" in "".join(knife)
+
+
 TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)
 LONGEST = 100.0  # range of a drawn scene, in spacings of the grid
 
@@ -463,3 +500,13 @@ def test_a_plan_of_a_rough_bed(seed, tmp_path):
     assert again.settings == chosen.settings
     assert (again.model.every, again.model.bent) == (chosen.model.every, chosen.model.bent)
     assert again.work == chosen.work
+
+
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.25, -0.5])
+def test_the_trend_of_a_record_that_converges_geometrically_is_its_ratio(share):
+    """Aitken's process: changes of a + λⁿ b have the ratio λ, and the limit is λ/(1 − λ) times the last change away."""
+    limit, off = np.arange(40.0), np.linspace(-1.0, 2.0, 40)
+    coarser, coarse, fine = (limit + share**n * off for n in range(3))
+    found = probe._trend(coarser, coarse, fine)
+    assert found == pytest.approx(share)
+    np.testing.assert_allclose(fine - (coarse - fine) * found / (1.0 - found), limit, atol=1e-12)

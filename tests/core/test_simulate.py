@@ -147,7 +147,8 @@ def test_a_record_carries_the_error_that_a_dense_one_finds_in_it(name):
     simulation = prepare(edit(load_scene(name), STEADY))
     arrays, poses = simulation.arrays, simulation.poses(np.arange(24))
     traced = simulation.trace_pings(poses, of_bins=True)
-    dense = simulation.tracer.trace(simulation.reduced, poses, **simulation.settings_of(400)).astype(np.float64)
+    settings = simulation.settings_of(np.full(24, 400))
+    dense = simulation.tracer.trace(simulation.reduced, poses, **settings).astype(np.float64)
     level = flat_bed_curve(arrays, float(poses.z[0]))
     starts = [math.ceil(reach * poses.z[0] / arrays.bin_length) for reach in (1.0, 1.4)]
     squares = [np.square(each / np.where(level > 0.0, level, 1.0)) for each in (traced.echoes - dense, dense)]

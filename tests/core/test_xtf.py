@@ -248,10 +248,10 @@ def test_a_fish_that_stands_still_has_a_picture_and_a_mosaic_and_a_speed_against
 @pytest.fixture
 def read_in_parts(monkeypatch):
     """Let recordings of any size stay in their files, and be read a few pings at a time."""
-    monkeypatch.setattr(recording, "FEW", 0)
-    monkeypatch.setattr(recording, "TOGETHER", 500)
-    for module in (bottom_track, record_schema):
-        monkeypatch.setattr(module, "TOGETHER", 3000)
+    monkeypatch.setattr(recording, "FEW_ECHOES", 0)
+    monkeypatch.setattr(recording, "ECHOES_TOGETHER", 500)
+    for module, name in ((bottom_track, "SUMS_TOGETHER"), (record_schema, "BLOCK_ECHOES")):
+        monkeypatch.setattr(module, name, 3000)
     monkeypatch.setattr(record_statistics, "STRETCH", 64)
     monkeypatch.setattr(swath, "BLOCK", 3000)
     monkeypatch.setattr(mosaic, "STRIP", 5000)

@@ -188,7 +188,7 @@ def test_targets_in_sidelobes_have_planes_of_their_own():
     arrays = prepare(edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}, "targets": [ball]})).arrays
     sidelobe = 1.43 * WAVELENGTH / 0.3  # the sine of the highest one
     poses = poses_of(-29.0 * sidelobe, 0.0, 10.0)
-    (_, alone), (_, divided) = (lay_planes(arrays, poses, 16, across=across)[0] for across in (0, 4))
+    alone, divided = (lay_planes(arrays, poses, 16, across=across).of(0) for across in (0, 4))
     filled = np.abs(divided.azimuth - math.atan(-sidelobe)) < 0.3 / 29.0
     assert alone.azimuth.size < 60
     assert filled.sum() >= 4

@@ -11,6 +11,7 @@ from scipy import special
 from insonify.receiver import Reception, receive
 from insonify.receiver.water_column import WaterColumn
 from insonify.scene import edit, load_scene
+from insonify.scene.receiver.noises import thermal_noise, wind_noise
 from insonify.simulation import simulate
 from receptions import RAYLEIGH, correlation, reception, variation
 
@@ -179,3 +180,11 @@ def test_scatterers_interfere_with_noise(bins, ratio):
     assert variation(record / total) == pytest.approx(still, abs=0.015)
     if bins == 1000:
         assert still == pytest.approx(RAYLEIGH, abs=0.015)
+
+
+def test_thermal_noise_exceeds_that_of_the_wind_from_39_kilohertz_in_a_calm_and_65_in_three_knots():
+    """37 log f = 170 + √(21 u), f in Hz and u in knots: Wenz (1962), Mellen (1952)."""
+    for knots, crossing in ((0.0, 39.3e3), (3.1, 65.0e3)):
+        found = 10.0 ** ((170.0 + np.sqrt(21.0 * knots)) / 37.0)
+        assert found == pytest.approx(crossing, rel=5e-3)
+        assert wind_noise(found, knots * 0.514444) == pytest.approx(thermal_noise(found), abs=1e-3)

@@ -107,6 +107,36 @@ def test_volumes_return_as_the_sine_at_any_frequency_and_roughness_rises_with_it
     assert silt[1] - silt[0] == pytest.approx(0.0, abs=0.1)
 
 
+def test_the_volume_is_the_sum_over_depth_of_what_enters_is_scattered_and_leaves():
+    """σ_v = |1 + V|⁴/ρ² ∫ σ₂ a exp(−4 k Im P z) dz, with the attenuation a = (20/ln 10) k δ/ν in dB/m."""
+    frequency, angles = 100e3, np.radians([15.0, 40.0, 70.0])
+    k = 2.0 * math.pi * frequency / 1500.0
+    for sand in (SAND, SAND._replace(density=1.2, speed_ratio=0.98, loss=0.004)):
+        smooth = sand._replace(spectral_strength=1e-30)
+        index = (1.0 + 1j * sand.loss) / sand.speed_ratio
+        vertical = np.sqrt(index**2 - np.cos(angles) ** 2)
+        reflected = (sand.density * np.sin(angles) - vertical) / (sand.density * np.sin(angles) + vertical)
+        attenuation = 20.0 / math.log(10.0) * k * sand.loss / sand.speed_ratio
+        depth = np.linspace(0.0, 40.0 / (4.0 * k * vertical.imag), 200001)
+        way = simpson(np.exp(-4.0 * k * vertical.imag * depth), x=depth, axis=0)
+        exact = sand.volume * attenuation * way * np.abs(1.0 + reflected) ** 4 / sand.density**2
+        np.testing.assert_allclose(model_strength(smooth, frequency, angles), exact, rtol=1e-6)
+
+
+def test_hardness_alone_makes_no_bed_brighter_at_flat_angles_and_shear_makes_rock_darker():
+    """APL-UW TR 9407, table 2: rock as a fluid against cobble, and rough rock; published: elastic rock at 300 kHz."""
+    rock = Sediment(2.5, 2.5, 0.01374, 0.002, 0.01862, 3.25)
+    for frequency in (30e3, 100e3, 300e3):
+        fluid, cobble = (model_strength(each, frequency, ANGLES[:3]) for each in (rock, MATERIALS["cobble"].model))
+        assert np.abs(decibels(fluid / cobble)).max() < 0.7
+    # The numbers of the material are the published ones of 30°, which lie 2 dB below those of the fluid.
+    law = MATERIALS["rock"].reflectivity.diffuse / math.pi * math.sin(math.radians(30.0)) ** 2
+    assert decibels(law) == pytest.approx(-13.5, abs=0.1)
+    assert decibels(fluid[2] / law) == pytest.approx(2.1, abs=0.2)
+    rough = model_strength(rock._replace(spectral_strength=0.20693), 30e3, ANGLES[:1])
+    assert decibels(rough / model_strength(rock, 30e3, ANGLES[:1])) == pytest.approx(10.8, abs=0.3)
+
+
 @pytest.mark.parametrize("name", SEDIMENTS)
 def test_the_laws_follow_the_model(name):
     """As strong at 30°, as strong at normal incidence where the lobe counts, and never more than arrives."""

@@ -11,7 +11,7 @@ from insonify.acoustics.pulses import coherence
 from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver import receive
 from insonify.receiver.fluctuation import Fluctuation
-from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, Speckle, shape_table
+from insonify.receiver.speckle import FIRST_COLUMN, PER_DOUBLING, Speckle, shape_table
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar.pulses import Chirp
 from insonify.simulation import prepare
@@ -155,7 +155,7 @@ def test_the_table_turns_exponential_numbers_into_gamma_ones(shape):
     exponential = np.random.default_rng(0).exponential(size=(1, 2, 1000)).astype(np.float32)
     made = exponential.copy()
     place = np.full(made.shape, 8.0 * math.log2(shape / 0.05), np.float32)
-    transform_distribution(made, shape_table(), FIRST_COLUMN, COLUMNS, place)
+    transform_distribution(made, shape_table(), FIRST_COLUMN, PER_DOUBLING, place)
     survival = stats.gamma.sf(made.astype(float), shape, scale=1.0 / shape)
     np.testing.assert_allclose(survival, np.exp(-exponential), atol=3e-4)
 

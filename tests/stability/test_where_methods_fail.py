@@ -11,7 +11,7 @@ import pytest
 import insonify
 from beds import arrays_of, poses_of, rough
 from insonify import kernels
-from insonify.accuracy.stability.themes.refraction import exact_time
+from insonify.accuracy.stability.themes.water import exact_time
 from insonify.acoustics.paths import eigenrays
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.compiler.jit import FAST

@@ -10,15 +10,15 @@ from insonify.arrays import Singles
 from insonify_viewer.widgets.painting import make_polyline
 from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
-LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it
+SHARE, GAP = 5, 22  # parts of a view that trace and gap have one of; px between the trace and the ruler above it
 CAPTION, WIDE = 16, 150  # px, of the words that are clicked to show or hide it
-LOW, ROOMY = 340, 520  # px, heights of a view from which a trace can be drawn, and from which it is unless asked for
+LOW, ROOMY = 400, 520  # px, heights of a view from which a trace can be drawn, and from which it is unless asked for
 FLOOR, STEP = -30.0, 10.0  # dB re level bed: lowest of the scale, and its lines
 
 
 def room_for_trace(height: int) -> int:
     """Height in px to keep free for the trace in a view; 0 where it is too low."""
-    return LEAST + GAP if height >= LOW else 0
+    return height // SHARE if height >= LOW else 0
 
 
 def draw_trace(painter: QPainter, area: QRect, loudest: Singles, title: str, at: float | None) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from insonify.io.georeference import Georeference, to_degrees
 from insonify_viewer.core_types import Simulation
-from insonify_viewer.record.comparison.recording import Recording
+from insonify_viewer.record.comparison.recording import Recording, compass_heading
 from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.state.inspection import Mark
 
@@ -25,6 +25,7 @@ class Measurement:
     straight: float | None
     along: float | None
     across: float | None
+    heading: float  # of the sonar at the first end, degrees by the compass; NaN where it is not known
     pings: int  # pings between the ends
     # Height in metres of a target whose shadow the line spans; None unless both ends lie on one side and the line
     # runs across the track.
@@ -37,7 +38,8 @@ class Measurement:
         if self.straight is None:
             first = f"slant range {self.slant:.2f} m, {self.pings} pings"
         else:
-            first = f"{self.straight:.2f} m on the bed: {self.along:.2f} m along, {self.across:.2f} m across"
+            way = f"{self.along:.2f} m along the heading of {self.heading:.0f}°, {self.across:.2f} m across it"
+            first = f"{self.straight:.2f} m on the bed: {way}"
         lines = [first, f"slant range {self.slant:.2f} m"] if self.straight is not None else [first]
         if self.height is not None:
             lines.append(f"as a shadow: target {self.height:.2f} m high, {self.round_height:.2f} m if round")
@@ -52,7 +54,8 @@ def measure(first: Location, last: Location) -> Measurement:
         dx, dy = (b - a for a, b in zip(first.place, last.place))
         cos, sin = math.cos(first.heading), math.sin(first.heading)
         straight, along, across = math.hypot(dx, dy), abs(dx * cos + dy * sin), abs(dy * cos - dx * sin)
-    return Measurement(slant, straight, along, across, pings, *_heights(first, last, along))
+    heading = compass_heading(math.degrees(first.heading))
+    return Measurement(slant, straight, along, across, heading, pings, *_heights(first, last, along))
 
 
 def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:

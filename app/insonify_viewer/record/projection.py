@@ -20,7 +20,6 @@ from insonify_viewer.state.inspection import Mark
 BEYOND = np.float32(-1.0)  # amplitude of columns that lie beyond the last bin
 CLOSEST = 1.0 / 64.0  # least share of the record that a zoom shows
 STEPS = 50.0  # of altitude over the range, by which the reach of a picture changes
-LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else the plot fills the room
 ALIKE = 0.02  # deviation of two scales that counts as none
 MANY = 10.0  # ratio that is written in whole numbers
 
@@ -222,21 +221,15 @@ def project_record(look: DisplayOptions, record: Record, axis: RangeAxis, zoom: 
 
 def zoom_to_true_scale(zoom: Zoom, room: tuple[int, int], across: float, along: float, *, newest_on_top: bool) -> Zoom:
     """Show as much of the track as fills the room at true scale, from the newest ping of the zoom on."""
-    metres = (zoom.right - zoom.left) * across / room[0] * room[1]
-    share = min(metres / along, 1.0)
+    width = min(zoom.right - zoom.left, along / across * room[0] / room[1])  # less of the range on a short track
+    left = min(max(0.5 * (zoom.left + zoom.right - width), 0.0), 1.0 - width)
+    zoom = zoom._replace(left=left, right=left + width)
+    share = min(width * across / room[0] * room[1] / along, 1.0)
     if newest_on_top:
         upper = min(zoom.upper, 1.0 - share)
         return zoom._replace(upper=upper, lower=upper + share)
     lower = max(zoom.lower, share)
     return zoom._replace(upper=lower - share, lower=lower)
-
-
-def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool = False) -> QRect:
-    """Largest plot at true scale in the upper left of a room, or the whole room where too little would be filled."""
-    scale = min(room.width() / across, room.height() / along)
-    plot = QRect(room.left(), room.top(), max(round(across * scale), 1), max(round(along * scale), 1))
-    filled = plot.width() * plot.height() / max(room.width() * room.height(), 1)
-    return plot if always or filled >= LEAST_FILLED else room
 
 
 def name_scale(plot: QRect, along: float, across: float) -> str:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPoint, QRect, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -17,7 +17,6 @@ from insonify_viewer.record.projection import (
     Zoom,
     choose_axis,
     name_scale,
-    plot_at_true_scale,
     project_record,
     zoom_to_true_scale,
 )
@@ -245,13 +244,10 @@ class RecordCanvas(Painted):
         """Place plot and handle in the view."""
         axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self._zoom
         across = axis.reach * (2.0 if self._look.side == "both" else 1.0)
-        along, size = self.record.pings * max(self._step, 1e-6), (max(room.width(), 1), max(room.height(), 1))
+        self.plot_area = QRect(room.topLeft(), room.size().expandedTo(QSize(1, 1)))
         if self._look.scale == "true":
+            along, size = self.record.pings * self.step, (self.plot_area.width(), self.plot_area.height())
             zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self._look.newest_on_top)
-            along, across = along * (zoom.lower - zoom.upper), across * (zoom.right - zoom.left)
-            self.plot_area = plot_at_true_scale(room, along, across, always=True)
-        else:
-            self.plot_area = room if self._look.scale == "fill" else plot_at_true_scale(room, along, across)
         self.projection = project_record(self._look, self.record, axis, zoom, self.top)
         self._handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
 

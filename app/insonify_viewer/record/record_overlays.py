@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.range_axis import NAMES
@@ -23,6 +23,7 @@ BED = "#ffb000"  # distinct from the palettes' middle tones
 CONTACT = "#7dff5a"
 THIN, HIGH = 4, 24  # px, of the bar and of its text
 WIDTH, HEIGHT, ROUND = 20.0, 26.0, 4.0  # px
+APART = 14  # px, between a measured line and what it measures
 LABEL = 92.0  # px, of the ping beside a held handle
 
 
@@ -70,15 +71,28 @@ def draw_measured(painter: QPainter, plot: QRect, ends: tuple[QPoint, QPoint], w
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
     size = painter.fontMetrics().boundingRect(QRect(0, 0, plot.width() - 20, plot.height()), wrapped, words)
-    box = QRect(0, 0, size.width() + 14, size.height() + 8)
-    box.moveCenter((ends[0] + ends[1]) / 2 + QPoint(0, 14 + box.height() // 2))
-    box.moveLeft(min(max(box.left(), plot.left() + 2), max(plot.right() - box.width() - 2, plot.left())))
-    box.moveTop(min(max(box.top(), plot.top() + 2), max(plot.bottom() - box.height() - 2, plot.top())))
+    box = _place_beside(QRect(*ends).normalized(), QSize(size.width() + 14, size.height() + 8), plot)
     painter.setPen(QColor(EDGE))
     painter.setBrush(QColor(RAISED))
     painter.drawRoundedRect(box, 4.0, 4.0)
     painter.setPen(QColor(TEXT))
     painter.drawText(box.adjusted(6, 4, -6, -4), wrapped, words)
+
+
+def _place_beside(line: QRect, size: QSize, plot: QRect) -> QRect:
+    """Place a box in a plot beside what a line spans: right, left, below or above, where there is room."""
+    room = plot.adjusted(2, 2, -2, -2)
+    across, down = line.width() // 2 + size.width() // 2 + APART, line.height() // 2 + size.height() // 2 + APART
+    box = QRect(QPoint(), size)
+    for x, y in ((across, 0), (-across, 0), (0, down), (0, -down)):
+        box.moveCenter(line.center() + QPoint(x, y))
+        # Along the line it may shift, as far as the plot goes.
+        box.moveLeft(box.left() if x else max(min(box.left(), room.right() + 1 - box.width()), room.left()))
+        box.moveTop(max(min(box.top(), room.bottom() + 1 - box.height()), room.top()) if x else box.top())
+        if room.contains(box):
+            return box
+    box.moveTop(max(min(box.top(), room.bottom() + 1 - box.height()), room.top()))
+    return box
 
 
 def draw_contacts(painter: QPainter, plot: QRect, contacts: Iterable[tuple[QPoint, str, bool]]) -> None:
@@ -94,8 +108,8 @@ def draw_contacts(painter: QPainter, plot: QRect, contacts: Iterable[tuple[QPoin
                 painter.drawPolyline([corner - QPoint(5 * dx, 0), corner, corner - QPoint(0, 5 * dy)])
         right = place.x() + 14 + painter.fontMetrics().horizontalAdvance(name) <= plot.right()
         x = place.x() + 14 if right else place.x() - 14 - painter.fontMetrics().horizontalAdvance(name)
-        painter.setPen(QColor(HALO))
-        painter.drawText(x + 1, place.y() + 5, name)
+        box = painter.fontMetrics().boundingRect(name).translated(x, place.y() + 4)
+        draw_veil(painter, box.adjusted(-3, -1, 3, 1))
         painter.setPen(QColor(CONTACT))
         painter.drawText(x, place.y() + 4, name)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from insonify.arrays import Floats
 from insonify.scene import Scene
+from insonify.scene.edit import part_at
 from insonify.scene.targets import Target
 from insonify_viewer.core_types import AnyGround, Simulation
 from insonify_viewer.state.inspection import Mark
@@ -16,10 +17,6 @@ from insonify_viewer.state.quantities import nearest_within
 
 Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize", "thicken", "raise"]
-SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
-SIZES |= dict.fromkeys(("wreck", "aircraft"), "length")
-THICKNESSES = {"pipe": "radius", "box": "width and height", "cone": "height"}  # in words, of what thickens a target
-RAISED = ("box",)  # kinds whose height alone has a handle
 BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target
 ASIDE = 0.1  # slant ranges by which the handles that thicken and raise stand off its sides, clear of the one that moves
 NEAR = 0.03  # slant ranges about a target within which a place belongs to it
@@ -53,15 +50,13 @@ def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]
         found.append((number, "move", 0.0, 0.0))
         if number == chosen:
             half = half_length(target)
-            if "heading" in type(target).model_fields and target.kind != "sphere":
+            if "heading" in type(target).model_fields.keys() - target.idle_fields:
                 found.append((number, "turn", half + BESIDE * scene.sonar.range, 0.0))
-            if target.kind in SIZES:
-                found.append((number, "resize", half, 0.0))
             aside = half_width(target) + ASIDE * scene.sonar.range
-            if target.kind in THICKNESSES:
-                found.append((number, "thicken", 0.0, aside))
-            if target.kind in RAISED:
-                found.append((number, "raise", 0.0, -aside))
+            stands: dict[Action, tuple[float, float]] = {
+                "resize": (half, 0.0), "thicken": (0.0, aside), "raise": (0.0, -aside)
+            }  # fmt: skip
+            found += [(number, action, *stand) for action, stand in stands.items() if target.sizes.get(action)]
     places = _places(simulation, [(scene.targets[number], ahead, aside) for number, _, ahead, aside in found])
     return tuple(Handle(number, action, place) for (number, action, *_), place in zip(found, places))
 
@@ -97,15 +92,7 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
         heading = float(target.attitude[0]) + turned
         return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
     factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
-    thickens = handle.action == "thicken" and target.kind != "box"
-    name = THICKNESSES[target.kind] if thickens else SIZES[target.kind]
-    size = getattr(target, name)
-    if isinstance(size, tuple):  # length, width and height of a box, of which the first stay as they are
-        kept = {"resize": 0, "thicken": 1, "raise": 2}[handle.action]
-        return {f"{path}.{name}": [*size[:kept], *(_scaled(side, factor) for side in size[kept:])]}
-    tall = None if thickens else getattr(target, "height", None)
-    changes = {f"{path}.{name}": _scaled(size, factor)}
-    return changes if tall is None else changes | {f"{path}.height": _scaled(tall, factor)}
+    return {f"{path}.{name}": _scaled(part_at(target, name), factor) for name in target.sizes[handle.action]}
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:

@@ -157,6 +157,15 @@ def triangles_mesh(triangles: Floats) -> Any:
     return pv.PolyData.from_regular_faces(corners, faces)
 
 
+def polylines(lines: Sequence[Floats]) -> Any:
+    """Mesh of several lines, each of (n, 3) points."""
+    first, cells = 0, []
+    for line in lines:
+        cells += [len(line), *range(first, first + len(line))]
+        first += len(line)
+    return pv.PolyData(np.concatenate(lines).astype(np.float32), lines=np.array(cells))
+
+
 ScanLine = tuple[Floats, Floats]
 
 

@@ -21,6 +21,7 @@ from insonify_viewer.seabed.pv_meshes import ScanFan, ScanLine
 from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedInput
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
 from insonify_viewer.seabed.seabed_handles import SeabedHandles
+from insonify_viewer.seabed.swath_guides import SwathGuides
 from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.painting import LIT, image_of
@@ -30,9 +31,11 @@ from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
+EASE = 0.5, 25  # s, of the way of the camera to another place about the fish, and ms between its steps
 CLOSE = 0.4  # distance of the camera from the subject of a lesson, as a share of that behind the fish
 VIEW_ANGLE = 54.0
 FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom
+MOST_BACK = 1.9  # of the usual distance, in a narrow view
 LOWEST = 0.03  # least slope of the line of sight, by which the camera stays above the bed
 STEEPEST = math.radians(88.0)  # depression of the line of sight, at which the view still has an upper edge
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
@@ -61,6 +64,7 @@ class SeabedView(QWidget):
         self._pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
+        self._window = 0.0, 0.0, 0.0  # middle of the bed on screen, and half of its side
         self._depths: tuple[float, float] | None = None  # ends of the colours of depths
         self._fan = ScanFan()
         self.shadows: list[Floats] = []  # slices of the acoustic shadows that are shown
@@ -72,6 +76,11 @@ class SeabedView(QWidget):
         self._canvas.on_click(self.look_at)
         self._drawn, self.draw_time = 0.0, 0.05  # when the last drawing ended, and how long it took, in seconds
         self._awaited: Callable[[], None] | None = None
+        self.eases = accelerated  # whether the camera glides to another place about the fish; a picture is drawn there
+        # When the camera left, and where it and its focus were and will be, as seen from the fish.
+        self._glide = 0.0, np.zeros((2, 3)), np.zeros((2, 3))
+        self._gliding = QTimer(self, interval=EASE[1])
+        self._gliding.timeout.connect(self._step_camera)
         self._due = QTimer(self, singleShot=True)
         self._due.timeout.connect(self.draw_now)
         self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
@@ -92,6 +101,8 @@ class SeabedView(QWidget):
         self._thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
         self.show_texture(patch.image if picture is None else picture)
         self._bed_shown, self._depths = True, patch.depths
+        self._window = (*patch.centre, patch.half)
+        self._swath.cover(self._window)
         self._thin(self._held)
 
     def fade_bed(self, faded: bool) -> None:
@@ -134,6 +145,8 @@ class SeabedView(QWidget):
         self._fan.move(arrays, pose, scanned, tones)
         self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
         self._sheet_actor.visibility = self._footprint_actor.visibility = True
+        large = text_scale(self) * self.devicePixelRatioF()
+        self._swath.show(pose, scanned, arrays.bins * arrays.bin_length, large, self._window)
         self._later()
 
     def show_sheet(self, triangles: Floats) -> None:
@@ -154,6 +167,7 @@ class SeabedView(QWidget):
         """Draw the track through `PATH_POINTS` poses."""
         self._path.points = np.column_stack([path.x, path.y, path.z]).astype(np.float32)
         self._path_actor.visibility = True
+        self._swath.show_path(path, self._reach)
         self._later()
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
@@ -214,6 +228,7 @@ class SeabedView(QWidget):
 
     def frame(self, place: tuple[float, float, float], size: float) -> None:
         """Look at a place so that a body of some metres about it fills the view; the camera stays there."""
+        self._gliding.stop()
         camera, self.follows, self._is_placed = self._canvas.plotter.camera, False, True
         away = np.array(camera.position) - np.array(camera.focal_point)
         away[2] = max(away[2], FRAMED[0] * float(np.hypot(away[0], away[1])))
@@ -229,6 +244,7 @@ class SeabedView(QWidget):
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
+        self._gliding.stop()
         camera = self._canvas.plotter.camera
         x, y, z = away = np.array(camera.position) - np.array(camera.focal_point)
         bearing = math.atan2(y, x) - math.radians(across)
@@ -241,6 +257,7 @@ class SeabedView(QWidget):
 
     def magnify(self, factor: float) -> None:
         """Move the camera closer to its focus by a factor, within the limits of the wheel."""
+        self._gliding.stop()
         camera = self._canvas.plotter.camera
         focus = np.array(camera.focal_point)
         camera.position = tuple(focus + (np.array(camera.position) - focus) / factor)
@@ -251,6 +268,7 @@ class SeabedView(QWidget):
         """Magnify the view about a place, which stays under the mouse; the camera stops before it."""
         if self._pose is None:  # the camera has yet to be placed
             return
+        self._gliding.stop()
         camera = self._canvas.plotter.camera
         position, focus, fixed = (np.array(each) for each in (camera.position, camera.focal_point, place))
         to_focus, to_place = (float(np.linalg.norm(position - each)) for each in (focus, fixed))
@@ -264,6 +282,7 @@ class SeabedView(QWidget):
     def close_view(self) -> None:
         """Release the drawing resources."""
         self._due.stop()
+        self._gliding.stop()
         self._canvas.close()
 
     def _furnish(self) -> None:
@@ -290,24 +309,33 @@ class SeabedView(QWidget):
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
         self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
         self._sound = SoundActors(plotter)
+        self._swath = SwathGuides(plotter)
         for actor in plotter.actors.values():
             actor.visibility = False
 
     def _follow(self, pose: Poses, heading: float, reach: float) -> None:
         """Move the camera with the fish, however the person turned it; reset it for another range."""
         camera, place = self._canvas.plotter.camera, _place_of(pose)
-        if self._pose is None or reach != self._reach or not self._is_placed:
+        # A fish that jumps would take the camera along, away from the place of the bed that it shows.
+        leapt = self._pose is not None and float(np.linalg.norm(place - _place_of(self._pose))) > reach
+        if self._pose is None or reach != self._reach or not self._is_placed or (leapt and self._subject is not None):
+            shown = np.array([camera.position, camera.focal_point])
+            before = None if self._pose is None else shown - _place_of(self._pose)
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
             position, focus = (np.array(part) for part in CAMERAS[self._camera])
             # A narrow view moves back, so that both ends of the fan are visible.
-            back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
+            back = min(max(self.height() / max(self.width(), 1), 0.8), MOST_BACK)
             away, focus = turn @ (position - focus) * back * reach, place + turn @ focus * reach
             if self._subject is not None:  # from nearer, in the middle of the view
                 away, focus = CLOSE * away, np.array([*self._subject, 0.0])
             position = focus + away
             self._reach, self._is_placed = reach, True
+            if self.eases and before is not None:
+                self._glide = time.perf_counter(), before, np.array([position, focus]) - place
+                self._gliding.start()
+                position, focus = place + before
         elif not self.follows:
             position, focus = camera.position, camera.focal_point
         else:
@@ -317,6 +345,20 @@ class SeabedView(QWidget):
         camera.position, camera.focal_point = tuple(position), tuple(focus)
         self._pose, self._heading = pose, heading
         self._clip()
+
+    def _step_camera(self) -> None:
+        """Move the camera on its way to another place about the fish."""
+        begun, first, last = self._glide
+        share = min((time.perf_counter() - begun) / EASE[0], 1.0)
+        if share == 1.0 or self._held:
+            self._gliding.stop()
+        if self._held or self._pose is None:
+            return
+        camera = self._canvas.plotter.camera
+        ends = _place_of(self._pose) + first + share**2 * (3.0 - 2.0 * share) * (last - first)
+        camera.position, camera.focal_point = map(tuple, ends)
+        self._clip()
+        self._later()
 
     def _clip(self) -> None:
         """Keep the camera above its focus and its distance within limits, and fit its clipping range to it."""
@@ -438,17 +480,8 @@ class SoundActors:
         for name, actor in self.actors.items():
             actor.visibility = len(lines[name]) > 0
             if len(lines[name]):
-                actor.mapper.SetInputData(polylines(lines[name]))
-
-
-def polylines(lines: Sequence[Floats]) -> Any:
-    """Mesh of several lines, each of (n, 3) points."""
-    first, cells = 0, []
-    for line in lines:
-        cells += [len(line), *range(first, first + len(line))]
-        first += len(line)
-    return pv.PolyData(np.concatenate(lines).astype(np.float32), lines=np.array(cells))
+                actor.mapper.SetInputData(pv_meshes.polylines(lines[name]))
 
 
 def _line() -> Any:
-    return polylines([np.zeros((2, 3))])
+    return pv_meshes.polylines([np.zeros((2, 3))])

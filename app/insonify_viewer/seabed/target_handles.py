@@ -6,7 +6,6 @@ from insonify_viewer.record.marked_point import locate_mark
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.seabed.controller import SeabedController
 from insonify_viewer.seabed.handle_geometry import (
-    THICKNESSES,
     Handle,
     Place,
     drag_edit,
@@ -22,7 +21,7 @@ from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.session import Session
 
 ABOVE = 4  # a target that is brought into the record is shown this part of the screen below its edge
-DONE = {"move": "moved", "turn": "turned", "resize": "resized", "raise": "height"}
+DONE = {"move": "moved", "turn": "turned", "resize": "resized", "thicken": "thickened", "raise": "height"}
 
 
 class TargetHandles:
@@ -151,6 +150,5 @@ class TargetHandles:
         held, self._held = self._held, None
         if held is not None and self._scene is not None and self._session.scene != self._scene:
             target = name_field(self._scene, f"targets.{held.target}")
-            kind = self._scene.targets[held.target].kind
-            self._session.settle(None, f"{target} {DONE.get(held.action) or THICKNESSES[kind]}")
+            self._session.settle(None, f"{target} {DONE[held.action]}")
         self._show()

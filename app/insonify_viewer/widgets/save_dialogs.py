@@ -1,11 +1,12 @@
 """Questions before files are written, and the picture of a window."""
 
 import errno
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 
-from PySide6.QtGui import QPixmap
+from PySide6.QtCore import QMarginsF, QSizeF, QUrl
+from PySide6.QtGui import QImage, QPageLayout, QPageSize, QPdfWriter, QPixmap, QTextDocument
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from insonify.io.atomic import replacing
@@ -14,6 +15,8 @@ from insonify_viewer.widgets.text import literal
 
 PICTURE = ".png"
 QUICK = 80  # "quality" of a PNG, by which Qt compresses it: a third of the time of the usual one for 4 % more bytes
+PRINTED, SCREEN = 150, 96  # dots per inch of a printed page, and those that pictures in a text count by
+MARGIN = 8  # of a text, on both sides together, px of the screen
 Formats = Sequence[tuple[str, str]]  # names and suffixes
 
 
@@ -83,3 +86,25 @@ def save_pixmap(picture: QPixmap, path: Path) -> None:
     with replacing(path) as beside:
         if not picture.save(str(beside), "PNG", QUICK):
             raise OSError(errno.EIO, "the picture cannot be written", str(path))
+
+
+def print_markdown(text: str, pictures: Mapping[str, QPixmap], path: Path) -> None:
+    """Print a text in Markdown as PDF on pages of A4, with the pictures that it names as wide as the page."""
+    with replacing(path) as beside:
+        writer = QPdfWriter(str(beside))
+        writer.setPageSize(QPageSize(QPageSize.PageSizeId.A4))
+        writer.setPageMargins(QMarginsF(20.0, 20.0, 20.0, 20.0), QPageLayout.Unit.Millimeter)
+        writer.setResolution(PRINTED)
+        document = QTextDocument()
+        document.setMarkdown(text)  # before the pictures, which it would remove
+        document.documentLayout().setPaintDevice(writer)
+        document.setPageSize(QSizeF(writer.width(), writer.height()))
+        for name, picture in pictures.items():
+            opaque = picture.toImage().convertToFormat(QImage.Format.Format_RGB32)
+            opaque.setDevicePixelRatio(opaque.width() / (writer.width() * SCREEN / PRINTED - MARGIN))
+            document.addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), opaque)
+        document.markContentsDirty(0, document.characterCount())  # the pictures have their size now
+        document.print_(writer)
+        del writer  # which ends the file
+        if not beside.exists() or beside.stat().st_size == 0:
+            raise OSError(errno.EIO, "the page cannot be written", str(path))

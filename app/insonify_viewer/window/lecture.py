@@ -4,20 +4,46 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import QObject, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QAction, QColor, QCursor, QGuiApplication, QKeySequence, QPainter, QPen, QPixmap, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QMainWindow, QMenu, QSplitter, QToolBar, QVBoxLayout, QWidget
+from PySide6.QtGui import (
+    QAction,
+    QColor,
+    QCursor,
+    QGuiApplication,
+    QKeySequence,
+    QPainter,
+    QPen,
+    QPixmap,
+    QResizeEvent,
+    QShortcut,
+)
+from PySide6.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QInputDialog,
+    QMainWindow,
+    QMenu,
+    QPushButton,
+    QSizePolicy,
+    QSplitter,
+    QToolBar,
+    QVBoxLayout,
+    QWidget,
+)
 
+from insonify_viewer.errors import guard_override
 from insonify_viewer.state.playlist import KEYS
-from insonify_viewer.widgets.buttons import make, make_action, push_button
-from insonify_viewer.widgets.layouts import fill
-from insonify_viewer.widgets.text import entry_name
-from insonify_viewer.widgets.theme import ACCENT_IN_WATER, HALO, lecture_scale
+from insonify_viewer.widgets.buttons import make, make_action
+from insonify_viewer.widgets.layouts import fill, fill_grid
+from insonify_viewer.widgets.text import entry_name, literal, one_line
+from insonify_viewer.widgets.theme import ACCENT_IN_WATER, HALO
 from insonify_viewer.window.panel_docks import PanelDocks
 from insonify_viewer.window.tour import lay_over_native_views
 
 VIEWS = 450, 550, 550  # shares of the 3-D view and the records
 ABOVE_LESSON = 180, 820, 820  # likewise, so that the record keeps more than half of the screen above a lesson
 POINTER, RING = 44, 17  # px: of the picture of the pointer, and the radius of its ring
+IN_A_ROW = 4  # presets; more take two rows
+GROWS, FITS = QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred
 LESSON = 0.28  # of the height, of a lesson below the views
 BLANK, LEAVE = ".", "Esc"  # keys
 
@@ -28,6 +54,7 @@ class Lecture(QObject):
     begun = Signal(bool)  # and left with False
     preset_wanted = Signal(int)  # key from 1 to 9
     preset_kept = Signal(int)
+    preset_named = Signal(int, str)
 
     def __init__(self, window: QMainWindow, docks: PanelDocks, views: QSplitter) -> None:
         super().__init__(window)
@@ -67,10 +94,17 @@ class Lecture(QObject):
         while (item := self._presets.takeAt(0)) is not None:
             if (button := item.widget()) is not None:
                 button.deleteLater()
-        for key, title in sorted(titles.items()):
-            tip, show = f"Show this preset ({key})", partial(self.preset_wanted.emit, key)
-            self._presets.addWidget(push_button(entry_name(f"{key}  {title}"), tip, show, style="small"))
-        self._presets.addStretch(1)
+        columns = -(-len(titles) // 2) if len(titles) > IN_A_ROW else IN_A_ROW
+        for k, (key, title) in enumerate(sorted(titles.items())):
+            button = _PresetButton(f"{key}  {one_line(title)}")
+            button.clicked.connect(partial(self.preset_wanted.emit, key))
+            button.addAction(make_action(button, "Rename…", "", do=partial(self._rename, key, title)))
+            self._presets.addWidget(button, k // columns, k % columns)
+
+    def _rename(self, key: int, title: str) -> None:
+        name, given = QInputDialog.getText(self._window, f"Preset {key}", "Name", text=title)
+        if given and name.strip():
+            self.preset_named.emit(key, name.strip())
 
     def blank(self) -> None:
         """Make the screen black, or show it again."""
@@ -97,8 +131,9 @@ class Lecture(QObject):
             self.action.setChecked(False)
 
     def _lay_strip(self) -> None:
-        inner, presets = QWidget(), QWidget()
-        self._presets = fill(QHBoxLayout(presets), margins=(8, 0, 8, 0))
+        inner, presets = make(QWidget, sizePolicy=QSizePolicy(GROWS, FITS)), QWidget()
+        self._presets = fill_grid(QGridLayout(presets), (), 1, margins=(8, 0, 8, 0))
+        presets.setSizePolicy(QSizePolicy.Policy.Ignored, FITS)
         fill(QVBoxLayout(inner), self._controls, presets)
         self._strip.addWidget(inner)
         self._window.addToolBar(Qt.ToolBarArea.BottomToolBarArea, self._strip)
@@ -116,8 +151,6 @@ class Lecture(QObject):
         window, bar = self._window, self._window.menuBar()
         sizes, state = self._views.sizes(), window.windowState()
         high = bar.minimumHeight(), bar.maximumHeight()
-        points = window.font().pointSizeF() * lecture_scale(window)
-        self._strip.setStyleSheet(f"QLabel, QLineEdit, QComboBox, QPushButton {{ font-size: {points:g}pt; }}")
         restore_panels = self._docks.stow(round(LESSON * window.height()))
         for part in (*window.findChildren(QToolBar), window.statusBar()):
             part.setVisible(part is self._strip)
@@ -153,6 +186,27 @@ class Lecture(QObject):
                 action.setShortcut(QKeySequence() if lent else key)
         for shortcut in self._keys:
             shortcut.setEnabled(lent)
+
+
+class _PresetButton(QPushButton):
+    """Button whose text ends in dots where it is too long."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setObjectName("small")
+        self.setToolTip(literal(f"{text} (a right click renames it)"))
+        self.setAccessibleName(text)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, FITS)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        self._text = text
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show as much of the text as fits."""
+        super().resizeEvent(event)
+        inner = self.width() - 2 * self.fontMetrics().height()
+        self.setText(entry_name(self.fontMetrics().elidedText(self._text, Qt.TextElideMode.ElideRight, inner)))
 
 
 def _pointer() -> QCursor:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -43,7 +43,7 @@ from insonify_viewer.window.menus import (
     make_combo,
 )
 from insonify_viewer.window.panel_docks import PanelDocks, PanelRoom
-from insonify_viewer.window.scene_menu import SceneMenu
+from insonify_viewer.window.scene_menu import SceneButton
 from insonify_viewer.window.settings import Settings
 from insonify_viewer.window.status_line import JobBar, StatusLine
 from insonify_viewer.window.target_placement import target_menu
@@ -246,6 +246,7 @@ class MainWindow(QMainWindow):
         widget: QWidget = panel.widget
         if widget.parent() is not self:
             widget.setParent(self, Qt.WindowType.Window)
+            widget.move(place_beside(self.frameGeometry(), widget.size(), self.screen().availableGeometry()))
         widget.show()
         widget.raise_()
         panel.opened(True)
@@ -260,7 +261,7 @@ class MainWindow(QMainWindow):
         self.new_scene = make_action(self, "New…", "Put a scene together from bed, sonar, track and targets", key.New)
         self.open_recording = make_action(self, "Open a recording…", "Open a recording", "Ctrl+Shift+O")
         self.addActions([self.new_scene, self.open_scene, self.open_recording])
-        self.scenes = SceneMenu(self.open_scene, self.open_recording)
+        self.scenes = SceneButton(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         tip = "Replace the bed by a grid of measured heights"
         self.open_dem = make_action(self, "Open a measured bed…", tip, "Ctrl+D")
@@ -331,7 +332,7 @@ class MainWindow(QMainWindow):
     def _fill_menus(self) -> None:
         """Put every command into the menus, before those of panels."""
         menus = self.menus
-        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.add("File", "Scenes…", self.scenes.toolTip(), do=self.scenes.show_pictures)
         menus.group("File", [self.new_scene, self.open_scene, self.open_recording, self.open_dem])
         tip = "Open a file of contacts, which replaces the list"
         self.open_contacts = menus.add("File", "Open contacts…", tip)
@@ -374,6 +375,14 @@ class MainWindow(QMainWindow):
         action = make_action(self, text, tip, key)
         bar.addAction(action)
         return action
+
+
+def place_beside(window: QRect, size: QSize, screen: QRect) -> QPoint:
+    """Place another window right or left of one; where neither has room, at the side of the screen that has more."""
+    right, left = screen.right() - window.right(), window.left() - screen.left()
+    x = window.right() + 1 if right >= left else window.left() - size.width()
+    x = max(min(x, screen.right() + 1 - size.width()), screen.left())
+    return QPoint(x, max(min(window.top(), screen.bottom() + 1 - size.height()), screen.top()))
 
 
 def name_button(button: QToolButton) -> None:

@@ -1,6 +1,7 @@
 """Presets of a lecture in the window: kept and shown by keys, opened and saved as files."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog
@@ -23,6 +24,7 @@ class Presets:
         lecture = window.lecture
         lecture.preset_wanted.connect(self.show)
         lecture.preset_kept.connect(self.keep)
+        lecture.preset_named.connect(self.name)
         lecture.open.triggered.connect(self.ask_to_open)
         lecture.save.triggered.connect(self.save)
         if (file := window.settings.presets) and Path(file).exists():
@@ -50,6 +52,11 @@ class Presets:
         self._all[key] = Preset(title, scene, session.display)
         self._show_titles()
         self._window.say(f"kept on key {key} of the lecture (F11): {title}; Save presets… writes all into a file")
+
+    def name(self, key: int, title: str) -> None:
+        """Give the preset of a key a name of its own."""
+        self._all[key] = replace(self._all[key], title=title)
+        self._show_titles()
 
     def ask_to_open(self) -> None:
         """Let the person pick a file of presets."""

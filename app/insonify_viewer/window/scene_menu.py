@@ -1,68 +1,62 @@
-"""Menu and pictures of the bundled scenes, and of scene files."""
+"""Button and pictures of the bundled scenes, by subject."""
 
 import html
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QMenu, QToolButton, QWidget
+from PySide6.QtWidgets import QToolButton, QWidget
 
 from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.widgets.gallery import Gallery
 
-FAILURE = "breaks-"  # prefix of scenes on which a method fails
+# Names of scenes, or their beginnings, in the order in which they are shown.
+SUBJECTS = {
+    "As at sea": ("wreck-site", "wreck", "raw-record", "rough-tow"),
+    "Targets and their shadows": ("default", "pipe-", "targets"),
+    "Seabeds": ("ripples", "sediments", "rough-ground", "real-bed", "endless"),
+    "Bent sound and ghosts": ("thermocline", "double-image", "ghosts"),
+    "Figures of the paper": ("figure-",),
+    "More": ("",),
+    "Where it breaks": ("breaks-",),
+}
 
 
-class SceneMenu(QToolButton):
-    """Signals the scene that the person picks."""
+class SceneButton(QToolButton):
+    """Shows the pictures, and signals the scene that the person picks."""
 
     wanted = Signal(str)
 
-    def __init__(self, from_file: QAction, recording: QAction) -> None:
-        shown, opens = Qt.ToolButtonStyle.ToolButtonTextBesideIcon, QToolButton.ToolButtonPopupMode.InstantPopup
-        super().__init__(toolButtonStyle=shown, popupMode=opens)
+    def __init__(self, *files: QAction) -> None:
+        super().__init__(toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.setText("Scenes")
-        self.setToolTip("Open a scene")
-        self._files = (from_file, recording)
-        self.pictures = QAction("Show pictures of all…", self)
-        self.pictures.setToolTip("Pick a scene by its record")
-        self.pictures.triggered.connect(self._show_pictures)
-        menu = QMenu(self, toolTipsVisible=True)
-        menu.aboutToShow.connect(self.fill)
-        menu.triggered.connect(self._picked)
-        self.setMenu(menu)
+        self.setToolTip("Open a scene by the picture of its record")
+        self._files = files
+        self.clicked.connect(self.show_pictures)
 
-    def fill(self) -> None:
-        """Fill the menu when it first opens, which takes a moment."""
-        menu = self.menu()
-        if menu.actions():
-            return
-        menu.addActions(self._files)
-        menu.addAction(self.pictures)
-        menu.addSeparator()
-        failures = QMenu("Where it breaks", menu, toolTipsVisible=True)
-        for name, path in bundled_scenes().items():
-            scene = load_scene(path)
-            action = QAction(f"{name}\t{scene.title}", menu)
-            action.setData(str(path))
-            action.setToolTip(f"<p>{html.escape(scene.about)}</p>")  # Qt wraps a paragraph
-            (failures if name.startswith(FAILURE) else menu).addAction(action)
-        menu.addSeparator()
-        menu.addMenu(failures)
-
-    def _picked(self, action: QAction) -> None:
-        if path := action.data():
-            self.wanted.emit(path)
-
-    def _show_pictures(self) -> None:
-        gallery = scene_gallery(self.window())
+    def show_pictures(self) -> None:
+        """Show the pictures of all scenes, and the commands that open a file."""
+        gallery = scene_gallery(self.window(), *self._files)
         gallery.wanted.connect(self.wanted)
         gallery.show()
 
 
-def scene_gallery(window: QWidget) -> Gallery:
-    """Pictures of the bundled scenes; those on which a method fails come last."""
-    gallery = Gallery("Scenes", window)
-    for name, path in sorted(bundled_scenes().items(), key=lambda entry: entry[0].startswith(FAILURE)):
-        scene = load_scene(path)
-        gallery.add(str(path), scene.title, f"<p><b>{name}</b></p><p>{html.escape(scene.about)}</p>")
+def scene_gallery(window: QWidget, *files: QAction) -> Gallery:
+    """Pictures of the bundled scenes by subject; those on which a method fails come last."""
+    gallery = Gallery("Scenes", window, *files)
+    ranked = {name: _rank(name) for name in bundled_scenes()}
+    for k, subject in enumerate(SUBJECTS):
+        named = sorted((rank, name) for name, rank in ranked.items() if rank[0] == k)
+        if named:
+            gallery.head(subject)
+        for _, name in named:
+            path = bundled_scenes()[name]
+            scene = load_scene(path)
+            gallery.add(str(path), scene.title, f"<p><b>{name}</b></p><p>{html.escape(scene.about)}</p>")
     return gallery
+
+
+def _rank(name: str) -> tuple[int, int]:
+    """Place of a scene: of its subject, by the longest name or beginning that fits, and within it."""
+    fits = ((len(start), k, m) for k, starts in enumerate(SUBJECTS.values()) for m, start in enumerate(starts)
+            if name.startswith(start))  # fmt: skip
+    return max(fits)[1:]

@@ -1,10 +1,10 @@
-"""Tour of the window in five steps: a card beside the part that it speaks of, which is framed."""
+"""Tour of the window in five steps: a card that stays in its place, and a frame round the part that it speaks of."""
 
 import tomllib
 from collections.abc import Callable
 from typing import NamedTuple
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer
 from PySide6.QtGui import QKeyEvent, QRegion
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 from shiboken6 import isValid
@@ -15,7 +15,8 @@ from insonify_viewer.widgets.buttons import make, push_button
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.theme import ACCENT
 
-WIDTH, APART = 300, 12  # px: of the card, and its distance from the part and from the edge of the window
+WIDTH, APART = 300, 48  # px: of the card, and its distance from the lower edge of the window
+FOLLOWS = 50  # ms, after which the frame is where its part is
 LINE = 3  # px, of the frame
 
 
@@ -38,6 +39,8 @@ class Tour(QObject):
         self._outline: _Outline | None = None
         self._before: QWidget | None = None  # what had the keyboard before the tour
         self.card: TourCard | None = None
+        self._follows = QTimer(self, interval=FOLLOWS)
+        self._follows.timeout.connect(self._follow)
         window.installEventFilter(self)
 
     def begin(self) -> None:
@@ -55,6 +58,7 @@ class Tour(QObject):
         self._show()
         self._before = self._window.focusWidget()
         self.card.next.setFocus()
+        self._follows.start()
 
     def end(self) -> None:
         """Leave the tour; the keyboard returns to where it was, unless it has left the card meanwhile."""
@@ -65,12 +69,13 @@ class Tour(QObject):
                 widget.hide()
                 widget.deleteLater()
         self.card = self._outline = None
+        self._follows.stop()
 
     @guard_override(False)
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the window when its size changes, and leave the tour by Escape, unless a widget takes that key."""
-        if event.type() is QEvent.Type.Resize and self.card is not None:
-            self._show()
+        if event.type() is QEvent.Type.Resize:
+            self._follow()
         if self.card is None or not isinstance(event, QKeyEvent) or event.type() is not QEvent.Type.KeyPress:
             return False
         escaped = event.key() == Qt.Key.Key_Escape
@@ -86,17 +91,21 @@ class Tour(QObject):
             self._show()
 
     def _show(self) -> None:
-        """Show the present step beside its part."""
-        assert self.card is not None
-        assert self._outline is not None
-        step = self._shown[self._place]
-        part = step.part()
+        """Show the present step."""
+        if self.card is not None:
+            self.card.show_step(self._shown[self._place], self._place + 1, len(self._shown))
+            self._follow()
+            self.card.show()
+            self.card.raise_()
+
+    def _follow(self) -> None:
+        """Frame the part of the present step where it is now; the buttons of the card stay under the hand."""
+        if self.card is None or self._outline is None:
+            return
+        part, window = self._shown[self._place].part(), self._window.rect()
         frame = QRect() if part is None else QRect(part.mapTo(self._window, QPoint(0, 0)), part.size())
         self._outline.show_about(frame)
-        self.card.show_step(step, self._place + 1, len(self._shown))
-        self.card.move(_place_beside(frame, self.card.size().width(), self.card.size().height(), self._window.rect()))
-        self.card.show()
-        self.card.raise_()
+        self.card.move(window.center().x() - WIDTH // 2, max(window.bottom() - APART - self.card.height(), 0))
 
 
 class TourCard(QFrame):
@@ -135,6 +144,8 @@ class _Outline(QFrame):
 
     def show_about(self, part: QRect) -> None:
         """Frame a rectangle of the window."""
+        if part == self.geometry() and self.isVisible():
+            return
         self.setGeometry(part)
         self.setMask(QRegion(self.rect()) - QRegion(self.rect().adjusted(LINE, LINE, -LINE, -LINE)))
         self.show()
@@ -151,22 +162,3 @@ def tour_steps(*parts: Callable[[], QWidget | None]) -> tuple[TourStep, ...]:
     """Make the steps of the tour: scenes, parameters, record, seabed, menu bar."""
     steps = tomllib.loads((resources() / "window" / "tour.toml").read_text(encoding="utf-8"))["step"]
     return tuple(TourStep(step["title"], step["words"], part) for step, part in zip(steps, parts, strict=True))
-
-
-def _place_beside(part: QRect, width: int, height: int, window: QRect) -> QPoint:
-    """Place a card below a part, left or right of it, or over it where there is no room; always within the window."""
-    inner = window.adjusted(APART, APART, -APART, -APART)
-    wanted = [
-        QPoint(max(part.left(), inner.left()), part.bottom() + APART),
-        QPoint(part.left() - width - APART, part.top() + APART),
-        QPoint(part.right() + APART, part.top() + APART),
-    ]
-    for place in wanted:
-        if inner.contains(QRect(place, QSize(width, height))):
-            return place
-    inside = part.center() - QPoint(width // 2, height // 2)
-    most = QPoint(max(inner.right() - width, inner.left()), max(inner.bottom() - height, inner.top()))
-    return QPoint(
-        min(max(inside.x(), inner.left()), most.x()),
-        min(max(inside.y(), inner.top()), most.y()),
-    )

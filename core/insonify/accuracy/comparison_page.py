@@ -16,10 +16,10 @@ from insonify.io.atomic import replacing
 from insonify.statistics.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
 
 HUES = (BLUE, ORANGE)
-WIDTH, DPI = 15.0, 110  # inches
-MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
-TALLEST = 11.0  # inches, of the pictures
-MOST = 1e200  # of a logarithmic axis; its ticks overflow beyond
+WIDE, DPI = 12.5, 130  # inches
+BORDER, GAP, GRAPHS = 0.6, 0.7, 2.4  # inches; the last is the height of the graphs
+TALLEST = 9.0  # inches, of the pictures
+GREATEST_POWER = 1e200  # of a logarithmic axis; its ticks overflow beyond
 
 
 def write_comparison(
@@ -40,13 +40,13 @@ def draw_comparison(
     look = DisplayOptions(palette="grey")
     sheets = [gather_record_sheet(record, look) for record in records]
     levels = choose_contrast(np.concatenate([sheet.amplitude.ravel() for sheet in sheets]))
-    column = (WIDTH - 2.0 * MARGIN - GAP) / 2.0
+    column = (WIDE - 2.0 * BORDER - GAP) / 2.0
     tall = min(max(column * (sheet.along or 1.0) / (2.0 * sheet.reach) for sheet in sheets), TALLEST)
     height = tall + GRAPHS + 2.5
-    figure = make_figure(WIDTH, height)
+    figure = make_figure(WIDE, height)
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
-        left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
-        axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
+        left, base = BORDER + number * (column + GAP), GRAPHS + 1.55
+        axes = figure.add_axes((left / WIDE, base / height, column / WIDE, tall / height))
         pixels = colour_amplitudes(sheet.amplitude, look, levels)
         axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
         axes.set_anchor("N")
@@ -61,7 +61,7 @@ def draw_comparison(
             (f"{middle}  ·  {deep}", 0.24, 8.5, "normal", INK),
             (slopes, 0.08, 8.5, "normal", INK),
         ):
-            place = left / WIDTH, (base + tall + up) / height
+            place = left / WIDE, (base + tall + up) / height
             figure.text(*place, words, fontsize=size, fontweight=weight, color=colour, parse_math=False)
     _graphs(figure, height, measured)
     return figure
@@ -69,9 +69,9 @@ def draw_comparison(
 
 def _graphs(figure: Figure, height: float, measured: tuple[RecordStatistics, RecordStatistics]) -> None:
     """Draw the histograms of amplitude and variation, and the two spectra."""
-    wide = (WIDTH - 2.0 * MARGIN - 3.0 * GAP) / 4.0
+    wide = (WIDE - 2.0 * BORDER - 3.0 * GAP) / 4.0
     amplitudes, variations, along, across = (
-        figure.add_axes(((MARGIN + n * (wide + GAP)) / WIDTH, 0.6 / height, wide / WIDTH, GRAPHS / height))
+        figure.add_axes(((BORDER + n * (wide + GAP)) / WIDE, 0.6 / height, wide / WIDE, GRAPHS / height))
         for n in range(4)
     )
     _named(amplitudes, "Even patches: amplitudes", "amplitude over its mean")
@@ -101,6 +101,6 @@ def _named(axes: Any, title: str, label: str) -> None:
 
 
 def _curve(axes: Any, spectrum: AmplitudeSpectrum, hue: str) -> None:
-    shown = (np.where((part > 1.0 / MOST) & (part < MOST), part, np.nan) for part in spectrum)
+    shown = (np.where((part > 1.0 / GREATEST_POWER) & (part < GREATEST_POWER), part, np.nan) for part in spectrum)
     axes.loglog(*shown, color=hue, linewidth=1.4)
     axes.grid(True, which="both", color=FAINT, alpha=0.15, linewidth=0.6)

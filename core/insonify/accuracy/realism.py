@@ -13,7 +13,7 @@ from insonify.statistics.image_textures import LEAST, measure_texture
 
 Images = Sequence[Bytes]
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
-MOST = 2000  # images of a folder, evenly chosen
+MOST_IMAGES = 2000  # images of a folder, evenly chosen
 FEWEST = 10
 FOLDS, TREES = 5, 200
 SHOWN = 8  # images of each set on the picture
@@ -62,8 +62,8 @@ def read_images(folder: Path) -> Images:
     paths = [path for path in paths if path.is_file() and "masks" not in path.relative_to(folder).parts]
     own = [path for path in paths if "images" in path.relative_to(folder).parts]
     paths = own or paths
-    if len(paths) > MOST:
-        paths = [paths[number] for number in np.linspace(0, len(paths) - 1, MOST).astype(int)]
+    if len(paths) > MOST_IMAGES:
+        paths = [paths[number] for number in np.linspace(0, len(paths) - 1, MOST_IMAGES).astype(int)]
     images = []
     for path in paths:
         try:

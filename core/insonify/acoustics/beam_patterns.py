@@ -11,7 +11,7 @@ from insonify.scene.sonar import Sonar
 from insonify.scene.sonar.beams import BeamConditions
 from insonify.scene.sonar.vertical_beams import VerticalBeamKind
 
-FAR = 1e7  # m, where waves from the array are flat
+FAR_FIELD = 1e7  # m, where waves from the array are flat
 ANGLES = 8193  # of half a turn about the track
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 
@@ -69,7 +69,7 @@ def directivity(sonar: Sonar, sound_speed: float) -> float:
     """Response of one side's array to isotropic noise, 4π / ∫ b dΩ, as a ratio of at least 1."""
     # Directions are the sine s along the track and the angle ψ about it: dΩ = ds dψ. A knife has no aperture that would
     # make it narrow, so it counts as even along the track.
-    beam, conditions = sonar.beam, BeamConditions(sound_speed, sonar.frequency, FAR)
+    beam, conditions = sonar.beam, BeamConditions(sound_speed, sonar.frequency, FAR_FIELD)
     along = 2.0
     if beam.has_width:
         table = beam.at_range(conditions)

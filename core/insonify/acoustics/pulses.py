@@ -9,7 +9,7 @@ import numpy as np
 from insonify.arrays import Floats
 from insonify.scene.sonar.pulses import PulseKind
 
-SAMPLES = 64  # of a response, per bin and per resolution cell
+RESPONSE_SAMPLES = 64  # of a response, per bin and per resolution cell
 AT_ONCE = 1 << 18  # samples that are integrated together
 # Resolution cells beyond which sidelobes of a response, then below 1/50, do not count for coherence.
 COHERENT_CELLS = 16
@@ -46,7 +46,7 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
     length = 0.5 * sound_speed * pulse.length
     reach = math.ceil(length / bin_length)
     before = reach if pulse.two_sided else 0
-    step = min(bin_length, pulse.cell(sound_speed)) / SAMPLES
+    step = min(bin_length, pulse.cell(sound_speed)) / RESPONSE_SAMPLES
     count = math.ceil(length / step)  # on either hand
     step = length / count
     weights = np.zeros(before + reach + 1)
@@ -78,7 +78,8 @@ def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: floa
     """Correlate the envelope with itself, sampled finely, at whole bins."""
     cell = pulse.cell(sound_speed)
     length = min(0.5 * sound_speed * pulse.length, COHERENT_CELLS * cell)
-    per_bin = math.ceil(4 * SAMPLES * bin_length / cell)  # finer than for taps: the pulse ends between two samples
+    # Finer than for taps: the pulse ends between two samples.
+    per_bin = math.ceil(4 * RESPONSE_SAMPLES * bin_length / cell)
     step = bin_length / per_bin
     count = math.ceil(length / step)  # on either hand
     offset = (np.arange(-count, count, dtype=np.float64) + 0.5) * step

@@ -28,12 +28,12 @@ from insonify.kernels.refraction.eigenray_search import (
 from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ray_paths
 from insonify.kernels.refraction.section_arcs import SectionPlane
 
-ROOM = 1024  # rows of a list at first
+FIRST_ROWS = 1024  # rows of a list at first
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
 SEAM = 1e-5  # share of the farthest range: two insonified stretches this close are one
 CLOSE = 1e-6  # m by which an eigenray may miss its point; one that misses by more marks the edge of a shadow
-ALIKE = 1e-11  # m by which heights may differ and are one: no angle tells the rays to them apart
+SAME_HEIGHT = 1e-11  # m by which heights may differ and are one: no angle tells the rays to them apart
 ALONG_STATIONS = SectionPlane(0.0, 1.0)
 
 
@@ -52,7 +52,7 @@ def follow_paths(
 
 def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Floats:
     """Find the rays between two points."""
-    z_to = z_from if abs(z_to - z_from) < ALIKE else z_to
+    z_to = z_from if abs(z_to - z_from) < SAME_HEIGHT else z_to
     span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
         return _join_across(water, span)
@@ -63,7 +63,7 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
 
 def list_rows(fill: Callable[[Floats], int], columns: int) -> Floats:
     """All rows of a kernel that fills as many as there is room for and returns how many it filled, or would fill."""
-    room = ROOM
+    room = FIRST_ROWS
     while True:
         rows = np.zeros((room, columns))
         count = int(fill(rows))

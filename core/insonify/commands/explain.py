@@ -12,7 +12,7 @@ from insonify.progress import report_waiting
 if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
 
-MOST = 4  # contributions and obstructions that are printed
+MOST_PRINTED = 4  # contributions and obstructions that are printed
 
 
 def register(subparsers: Any) -> None:
@@ -50,9 +50,9 @@ def _table(explained: PixelExplanation) -> list[str]:
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
     lines += [options.level_line(term.name, term.decibels, term.detail) for term in explained.terms]
     lines.append(options.level_line("pixel", explained.level))
-    for each in explained.contributions[:MOST]:
+    for each in explained.contributions[:MOST_PRINTED]:
         lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
-    for hidden in explained.obstructions[:MOST]:
+    for hidden in explained.obstructions[:MOST_PRINTED]:
         lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
     if explained.obstructions and math.isfinite(explained.unhidden):
         lines.append(options.level_line("with nothing hidden", explained.unhidden))

@@ -11,9 +11,9 @@ def register(subparsers: Any) -> None:
     """Add ``plan``."""
     parser = subparsers.add_parser(
         "plan",
-        description="List the effects that are modelled and those that are left out, with the reason, the error of the "
-        "record and the cost of each. Then list the numbers of the bed's materials, and their misfit to the models of "
-        "backscatter.",
+        description="Simulate a scene and state the error found, the planes across the beam that its pings take, the "
+        "cost, which effects are modelled and left out, what each changes, and why no cheaper model is taken. Then "
+        "list the numbers of the bed's materials, and their misfit to the models of backscatter.",
     )
     add_scene(parser)
     add_method(parser)
@@ -24,11 +24,11 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the plan of a scene."""
     # lazy: not every command plans
     from insonify.acoustics.bed_materials import describe_materials
-    from insonify.planning import plan
+    from insonify.explanation.plan_page import write_plan_page
 
     scene = chosen_scene(arguments)
     with report_waiting():
-        found = plan(scene, **chosen_method(arguments))
-    say(found.table())
+        page = write_plan_page(scene, **chosen_method(arguments))
+    say(*page)
     for number, line in enumerate([*describe_materials(scene), *scene.describe_limits()]):
         say(line if number else f"\n{line}")

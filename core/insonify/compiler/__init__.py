@@ -1,4 +1,4 @@
-"""Compilation of kernels by Numba: decorators, machine code on disk, child processes that compile, and progress."""
+"""Compilation of kernels by Numba: decorators, machine code on disk, a child process that compiles, and progress."""
 
 import os
 

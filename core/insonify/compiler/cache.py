@@ -154,7 +154,7 @@ class _CacheFile(IndexDataCacheFile):
     def save(self, key: Any, data: Any) -> None:
         """Keep the code of a signature in a file named by its content, written before the index names it."""
         # Numba numbers the files by the index as it was read: of two processes that compile two signatures at once, one
-        # may then load the other's code. Here the worst is that the index loses one, which is compiled anew.
+        # may then load the other's code. Here the worst is that the index loses one, which is compiled again.
         content = self._dump(data)
         name = _name_of_content(content)
         self._save_data(name, content)
@@ -189,7 +189,7 @@ def _name_of_content(content: bytes) -> str:
 
 
 class KernelCache(FunctionCache):
-    """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored.
+    """Machine code of one kernel on disk; a damaged file is compiled again, an unusable folder is ignored.
 
     Of several processes that lack the same kernel one compiles it. The others wait and load what it has kept.
     """

@@ -6,7 +6,6 @@ from typing import Any
 
 from numba.core import event
 
-from insonify.compiler.processes import helper
 from insonify.compiler.progress import Compilation, report_progress
 from insonify.compiler.separate import SeparateKernel
 
@@ -26,7 +25,6 @@ WORDS = {  # by the folder of the kernel's module
     "sweep": "the sweep",
     "targets": "targets",
 }
-MANY = 40  # functions of a kernel whose compilation takes longer than a second process to start
 UNSURE = 0.05  # share done up to which the time left is not predicted
 ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
 
@@ -66,8 +64,6 @@ class CompilationListener(event.Listener):
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
             report_progress(self.progress.report())
-            if len(self.progress.left) >= MANY:
-                helper.start()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -76,7 +72,6 @@ class CompilationListener(event.Listener):
         if self.progress is None:
             return
         if self.depth == 0:
-            helper.finish()
             self.progress = None
             report_progress(None)
             return

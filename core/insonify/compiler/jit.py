@@ -6,7 +6,6 @@ decorator                  called by a kernel       on disk      counts referenc
 `kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
 `kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
 `kernel_separate`          by its address           yes          optional               relaxed (`FAST`)
-`kernel_on_demand`         by its address           yes          optional               relaxed (`FAST`)
 `inlined`                  inlined                  no           yes                    relaxed (`FAST`)
 `inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
 `inlined_ieee`             inlined                  no           yes                    IEEE 754, in order
@@ -17,8 +16,8 @@ Reference counting costs an atomic operation of about 5 ns, twice for every arra
 A function that does not count references may neither create nor return arrays, nor call one that returns them: its
 callers count. Small functions are inlined because passing a tuple of arrays costs more than many of them compute.
 
-What is called by its address is compiled once for all kernels that call it (`separate`): beside the first of them, or,
-on demand, when it is first called. The latter is for what most scenes lack, such as water that bends sound.
+What is called by its address is compiled once for all kernels that call it, when it is first called (`separate`): a
+scene compiles what it runs.
 
 With ``INSONIFY_COMPILER=numba`` all of them are plain `numba.njit`, which compiles the same code several times over and
 takes longer, but relies on nothing private of Numba.
@@ -60,13 +59,17 @@ def kernel_uncounted(function: Function) -> Function:
 
 
 def kernel_separate(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
-    """Compile a function on its own, beside the kernels that call it, by default without counting references."""
-    return lambda function: _compile_separately(function, returned, ahead=True, counting=counting)
-
-
-def kernel_on_demand(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
     """Compile a function when a kernel first calls it, by default without counting references."""
-    return lambda function: _compile_separately(function, returned, ahead=False, counting=counting)
+
+    def compile_separately(function: Function) -> Function:
+        if PLAIN or settings.DISABLE_JIT:
+            return _compile(function, counting)
+        return SeparateKernel(function, COMMON | {"fastmath": FAST, "_nrt": counting}, returned)
+
+    return compile_separately
+
+
+kernel_on_demand = kernel_separate  # the name for what most scenes lack
 
 
 def inlined(function: Function) -> Function:
@@ -86,7 +89,7 @@ def inlined_ieee(function: Function) -> Function:
 
 def inlined_before_typing(function: Function) -> Function:
     """Write a small function out in each of its callers before types are inferred."""
-    # The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
+    # The per-cell loops of rays run faster so; types are inferred in every caller again, which takes longer to compile.
     return njit(**COMMON, fastmath=FAST, inline="always")(function)
 
 
@@ -108,9 +111,3 @@ def _compile_plainly(function: Function, kept: bool, options: dict[str, Any]) ->
             compiled.enable_caching()
         settings.CACHE_DIR = before
     return compiled
-
-
-def _compile_separately(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:
-    if PLAIN or settings.DISABLE_JIT:
-        return _compile(function, counting)
-    return SeparateKernel(function, COMMON | {"fastmath": FAST, "_nrt": counting}, returned, ahead)

@@ -1,10 +1,8 @@
-"""Child processes that compile kernels, which this process then loads from disk.
+"""A child process that compiles kernels, which this process then loads from disk.
 
-They serve two purposes. While a kernel is compiled here, a second process compiles the separate kernels that it calls
-(`separate`): llvmlite admits one thread of a process at a time. And a window lets another process compile all kernels
-(`compiled_elsewhere`): what Numba and LLVM make of a kernel, a hundred megabytes of a few, stays in memory until their
-process ends, and they block other threads of Python for long. If a process cannot be started or ends early, kernels are
-compiled here.
+A window lets it compile all kernels (`compiled_elsewhere`): what Numba and LLVM make of a kernel, a hundred megabytes
+of a few, stays in memory until their process ends, and they block other threads of Python for long. If the process
+cannot be started or ends early, kernels are compiled here.
 """
 
 import contextlib
@@ -15,7 +13,6 @@ from collections.abc import Iterator
 from insonify.child_process import ChildProcess
 from insonify.compiler.cache_folder import cache_folder
 from insonify.compiler.progress import report_progress
-from insonify.cores import VARIABLE, default_threads
 
 WORKER = "insonify.compiler.worker"
 TRIES = 2  # an idle process may end just when it gets a request
@@ -28,22 +25,21 @@ class CompilationStoppedError(RuntimeError):
 class CompilingProcess:
     """A process that compiles kernels one after the other: by their names (`dispatch.name_code`), or by a function."""
 
-    def __init__(self, reports: bool, **environment: str) -> None:
-        self.reports = reports  # whether its progress is reported here
+    def __init__(self) -> None:
         self.ended = self.stopped = False
         self.pending: set[bytes | str] = set()  # requested and not compiled yet
         self._changed = threading.Condition()
-        self._child = ChildProcess(WORKER, **environment)
+        self._child = ChildProcess(WORKER)
         self._reader = threading.Thread(target=self._read, name="compiling process", daemon=True)
         self._reader.start()
-        _alive.add(self)
 
     def request(self, name: bytes | str) -> None:
         """Request a kernel, or the call of a function ``module:name``, unless that has been done."""
         with self._changed:
             if name not in self.pending:
                 self.pending.add(name)
-                self.send(name)
+                with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
+                    self._child.send(name)
 
     def wait(self, name: bytes) -> bool:
         """Wait until a kernel is compiled; false if the process has ended without it."""
@@ -57,11 +53,6 @@ class CompilingProcess:
         self._child.process.kill()
         self._reader.join()
 
-    def send(self, request: bytes | str | None) -> None:
-        """Send a request; None lets the process end when all requested kernels are compiled."""
-        with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
-            self._child.send(request)
-
     def _read(self) -> None:
         """Take names of compiled kernels and reports of progress until the process ends."""
         with contextlib.suppress(Exception):
@@ -71,54 +62,13 @@ class CompilingProcess:
                     with self._changed:
                         self.pending.discard(answer)
                         self._changed.notify_all()
-                elif self.reports:
+                else:
                     report_progress(answer)
-        if self.reports:
-            report_progress(None)
+        report_progress(None)
         with self._changed:
             self.ended = True
             self._changed.notify_all()
         self._child.stop()
-        _alive.discard(self)
-
-
-_alive: set[CompilingProcess] = set()
-
-
-class _Helper:
-    """The process that compiles separate kernels while their callers are compiled here."""
-
-    def __init__(self) -> None:
-        self.process: CompilingProcess | None = None
-        self.requested: dict[bytes, CompilingProcess] = {}
-
-    def start(self) -> None:
-        """Start the process, if there is a second core for it and a folder for what it compiles."""
-        from insonify.compiler.digests import PRIVATE  # lazy: imports Numba, without which the window opens
-
-        with contextlib.suppress(OSError):
-            if PRIVATE and default_threads() > 1 and sys.executable:
-                self.process = CompilingProcess(reports=False, **{VARIABLE: "1"})
-
-    def finish(self) -> None:
-        """Request no more kernels; the process ends when it has compiled those that were requested."""
-        if self.process is not None:
-            self.process.send(None)
-            self.process = None
-
-    def request(self, name: bytes) -> None:
-        """Request a kernel if the process is running."""
-        if self.process is not None and name not in self.requested:
-            self.requested[name] = self.process
-            self.process.request(name)
-
-    def wait(self, name: bytes) -> None:
-        """Wait for a kernel if it has been requested."""
-        if name in self.requested:
-            self.requested[name].wait(name)
-
-
-helper = _Helper()
 
 
 class _Elsewhere:
@@ -145,15 +95,15 @@ class _Elsewhere:
         """Return the process, which is started if it is wanted and can be."""
         with self.lock, contextlib.suppress(OSError):
             if self.wanted and sys.executable and (self.process is None or self.process.ended):
-                self.process = CompilingProcess(reports=True)
+                self.process = CompilingProcess()
             return self.process
         return None
 
     def stop(self) -> None:
         """End the process, and start no other."""
         with self.lock:
-            self.wanted, self.process = False, None
-        for process in tuple(_alive):  # those too that compile separate kernels
+            process, self.wanted, self.process = self.process, False, None
+        if process is not None:
             process.stop()
 
 

@@ -1,8 +1,8 @@
 """Kernels with machine code of their own that other kernels call by its address, which is found at the first call.
 
-A part is compiled into each of its callers. A separate kernel is compiled once, whoever calls it: while its callers are
-compiled, by a second process; or when it is first called, for what most scenes lack. Every array is handed over
-as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a call.
+A part is compiled into each of its callers. A separate kernel is compiled once, when any of them first calls it. Every
+array is handed over as seven numbers and more: a whole scene costs half a microsecond. No inner loop should make such a
+call.
 """
 
 import ctypes
@@ -27,7 +27,6 @@ from insonify.compiler.dispatch import (
     failure,
     name_code,
 )
-from insonify.compiler.processes import helper
 
 RESOLVE = "insonify_resolve"
 POINTER = ir.IntType(8).as_pointer()
@@ -37,10 +36,9 @@ _addresses: dict[bytes, int] = {}
 class SeparateKernel(Kernel):
     """A kernel that other kernels call by the address of its machine code."""
 
-    def __init__(self, function: Callable[..., Any], options: dict[str, Any], returned: Any, ahead: bool) -> None:
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any], returned: Any) -> None:
         super().__init__(function, options, kept=True)
-        self.returned, self.ahead = returned, ahead
-        self._names: dict[tuple[Any, ...], bytes] = {}
+        self.returned = returned
 
     @cached_property
     def machine_code(self) -> Any:
@@ -57,12 +55,6 @@ class SeparateKernel(Kernel):
         cpu_target.target_context.insert_func_defn([(_generate_call(self), self, (types.VarArg(types.Any),))])
         return types.Function(template)
 
-    def name_code(self, arguments: tuple[Any, ...]) -> bytes:
-        """Name the machine code for types of arguments, as `find_address` takes it."""
-        if arguments not in self._names:  # pickled again, equal types may give other bytes
-            self._names[arguments] = name_code(self.py_func, "machine_code", arguments)
-        return self._names[arguments]
-
 
 class _Call(AbstractTemplate):
     """Types of a call of a separate kernel, which need not be compiled for that."""
@@ -72,10 +64,7 @@ class _Call(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         if kws:
             return None
-        arguments = tuple(map(types.unliteral, args))
-        if self.key.ahead:
-            helper.request(self.key.name_code(arguments))
-        return signature(self.key.returned, *arguments)
+        return signature(self.key.returned, *map(types.unliteral, args))
 
 
 def _generate_call(kernel: SeparateKernel) -> Callable[..., Any]:
@@ -83,7 +72,8 @@ def _generate_call(kernel: SeparateKernel) -> Callable[..., Any]:
 
     def generate(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
         shape = context.call_conv.get_function_type(sig.return_type, sig.args)
-        function = builder.bitcast(_load_address(context, builder, kernel.name_code(sig.args)), shape.as_pointer())
+        name = name_code(kernel.py_func, "machine_code", sig.args)
+        function = builder.bitcast(_load_address(context, builder, name), shape.as_pointer())
         status, result = context.call_conv.call_function(builder, function, sig.return_type, sig.args, arguments)
         with cgutils.if_unlikely(builder, status.is_error):
             context.call_conv.return_status_propagate(builder, status)
@@ -129,7 +119,6 @@ class _MachineCode(Dispatcher):
 def find_address(name: bytes) -> int:
     """Address of the machine code of a separate kernel, compiled if that is not known."""
     if name not in _addresses:
-        helper.wait(name)
         _addresses[name] = compile_named(name).entry_point
     return _addresses[name]
 

@@ -15,7 +15,7 @@ from insonify.scene.edit import read_setting
 
 DEFAULT_PALETTE = "copper"
 SIDES = ("both", "port", "starboard")
-SCALES = ("fit", "true", "fill")
+SCALES = ("fill", "true")
 EXAMPLES = {bool: "true", float: "3", tuple: "[0, 6]"}
 Levels = tuple[float, float]  # amplitudes at the two ends of a palette
 
@@ -49,8 +49,7 @@ class DisplayOptions(NamedTuple):
     newest_on_top: bool = True  # whether later pings stand above earlier ones
     bottom_line: bool = False  # whether the first echo of the bed, and lines of equal range, are drawn
     range_lines: bool = False
-    # Of the window: ``true`` for true scale, with a part of the track where the whole does not fill the view; ``fill``
-    # to fill the view; ``fit`` for true scale where that fills most of the view.
+    # Of the window, which the record fills: ``fill`` for all of it; ``true`` for a part of it at true scale.
     scale: str = SCALES[0]
     draped: bool = False  # of the window: whether the record is laid over the bed of the 3-D view
 

@@ -19,7 +19,7 @@ from insonify.tow.poses import platform_columns
 
 Relative = Callable[[Singles, Integers], Singles]
 MOST_ROWS = 4096
-WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of a sheet
+SHEET_WIDTHS = {"both": 1200, "port": 900, "starboard": 900}  # columns of a sheet
 HEIGHTS = (420, 1800)  # least and greatest number of rows of a sheet
 
 
@@ -59,7 +59,7 @@ def gather_sheet(
     blocks: Iterable[SheetPings], relative: Relative, pings: int, look: DisplayOptions, lowest: float | None = None
 ) -> RecordSheet:
     """Collect blocks of a record in a sheet, as wide as the lowest ping receives: of the first block if not given."""
-    columns = WIDTH[look.side]
+    columns = SHEET_WIDTHS[look.side]
     together = _pings_a_row(pings)
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)

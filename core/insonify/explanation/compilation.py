@@ -7,7 +7,7 @@ from insonify.explanation.listeners import find_listeners
 from insonify.explanation.pixel import explain_pixel
 from insonify.simulation import Simulation
 
-MOST = 8  # pings that are explained
+MOST_PINGS = 8  # pings that are explained
 SIDES = (0, 1)
 
 
@@ -32,5 +32,5 @@ def _pings_abeam(simulation: Simulation) -> list[int]:
     centres = solids.start + 0.5 * solids.length[:, None] * solids.axis
     middles = np.concatenate([centres, mesh.corners.mean(axis=1)])
     owners = np.concatenate([solids.target, mesh.target])
-    places = [middles[owners == target].mean(axis=0) for target in np.unique(owners)[: MOST - 1]]
+    places = [middles[owners == target].mean(axis=0) for target in np.unique(owners)[: MOST_PINGS - 1]]
     return [0, *dict.fromkeys(int(np.hypot(line.x - x, line.y - y).argmin()) for x, y, _ in places)]

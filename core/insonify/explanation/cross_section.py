@@ -13,7 +13,7 @@ from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.echo_parts import EchoParts
 
-SAMPLES = 1024  # of the bed's profile
+PROFILE_SAMPLES = 1024  # of the bed's profile
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSect
     azimuth, parts = 0.0, None
     if not folded.any():
         azimuth, parts = find_athwart_parts(arrays, pose, side, simulation.plan.label_settings.get("planes", 1))
-    x = np.linspace(0.0, reach, SAMPLES)
+    x = np.linspace(0.0, reach, PROFILE_SAMPLES)
     level = sonar.place[:2] + np.multiply.outer(x, sonar.direction(azimuth))
     bed = np.column_stack([x, simulation.ground.height_at(level[:, 0], level[:, 1])])
     nothing = np.empty((0, 2, 2))

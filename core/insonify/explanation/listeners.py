@@ -77,10 +77,9 @@ def _listen(
     """Bins of one side of one ping in which a place in the plane of an azimuth echoes."""
     arrays, pose = arrays_at(simulation, ping)
     _, folded = make_apparent_tables(arrays, pose)
-    fans = lay_planes(arrays, pose, 1)
-    if folded.any() or not fans:
+    if folded.any():
         return []
-    fan = fans[0][1]._replace(azimuth=np.array([azimuth]))
+    fan = lay_planes(arrays, pose, 1).of(0)._replace(azimuth=np.array([azimuth]))
     parts = find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
     low, high = np.minimum(parts.begin, parts.end) - BESIDE, np.maximum(parts.begin, parts.end) + BESIDE
     at = np.array([level, place[2]])
@@ -105,8 +104,8 @@ def _listen_by_surface(
     """Bins of one side of one ping in which a place echoes by way of the sea surface."""
     ping, side, azimuth, level = where
     sonar, found = locate_sonar(simulation, pose, side), []
-    _, fan, raised = lay_planes_of_images(arrays, pose, 1)[0]
-    fans = fan._replace(azimuth=np.array([azimuth])), raised._replace(azimuth=np.array([azimuth]))
+    fan, raised = (laid.of(0)._replace(azimuth=np.array([azimuth])) for laid in lay_planes_of_images(arrays, pose, 1))
+    fans = fan, raised
     for path in range(SURFACE_BOTTOM, SURFACE):
         k = int(path_range(sonar, path, level, float(place[2])) / arrays.bin_length)
         if not 0 <= k < arrays.bins:

@@ -33,7 +33,7 @@ from insonify.tracers.echo_parts import EchoParts
 from insonify.tracers.labels import PATHS
 from insonify.tracers.plane_counts import TracedPings
 
-ALIKE = 0.9  # of the loudest part
+AS_LOUD = 0.9  # of the loudest part
 SHADOW = 0.5  # share of the echo that is hidden from which a pixel counts as shadow
 SPREAD = 0.95  # share of the first source below which the second is named too
 NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
@@ -131,7 +131,7 @@ def find_obstructions(pixel: PixelParts) -> tuple[Obstruction, ...]:
 def _obstruction(pixel: PixelParts, parts: EchoParts, who: int, whole: float) -> Obstruction:
     echo = float(parts.value.sum())
     # Of planes that are nearly as loud, the one nearest to the axis.
-    is_loud = parts.value >= ALIKE * parts.value.max()
+    is_loud = parts.value >= AS_LOUD * parts.value.max()
     loudest = int(np.argmin(np.where(is_loud, np.abs(parts.azimuth), np.inf)))
     place = parts.crest[loudest] if who < 0 else parts.middle[loudest]
     return Obstruction(
@@ -429,7 +429,7 @@ def record_by_stages(simulation: Simulation, ping: int, planes: int) -> list[Rec
         key = id(arrays.reflectivity), reception.coherent, waves
         if key not in kept:
             # The mean energy of the scatterers where the receiver up to a stage is not coherent.
-            tracer, settings = simulation.tracer, simulation.settings_of(planes)
+            tracer, settings = simulation.tracer, simulation.settings_of(np.array([planes]))
             call: Callable[..., Traced] = (tracer.trace_waves if waves else None) or tracer.trace
             if whole.coherent and not reception.coherent:
                 call = sweep.trace

@@ -14,7 +14,7 @@ from insonify.kernels.labels.echo_parts import Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tow.poses import take_poses
-from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.echo_parts import EchoParts, find_direct_parts, find_echo_parts, take_central_plane
 
 LOUD = 0.02  # share of a contributor's echo from which a ray is drawn to a part of it
@@ -103,10 +103,10 @@ def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
 
 def find_athwart_parts(arrays: SceneArrays, pose: Poses, side: int, planes: int) -> tuple[float, EchoParts | None]:
     """Azimuth of the plane along the axis of the beam, and the direct parts in it of any bin; None without a plane."""
-    fans = lay_planes_of_images(arrays, pose, planes)
-    if not fans:
+    fan = lay_planes(arrays, pose, planes).of(0)
+    if fan.azimuth.size == 0:
         return 0.0, None
-    fan = take_central_plane(arrays, fans[0][1])
+    fan = take_central_plane(arrays, fan)
     return float(fan.azimuth[0]), find_direct_parts(arrays, pose, side, whole_window(arrays), fan)
 
 

@@ -55,7 +55,7 @@ class Contact:
             object.__setattr__(self, name, getattr(self, name).encode(errors="replace").decode())
 
 
-COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
+CONTACT_COLUMNS = tuple(field.name for field in fields(Contact) if field.name != "snapshot")
 
 
 def describe_contacts(number: int) -> str:
@@ -109,7 +109,7 @@ def read_contacts(path: Path) -> tuple[Contact, ...]:
 
 def _as_csv(contacts: Iterable[Contact]) -> str:
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore")
+    writer = csv.DictWriter(text, CONTACT_COLUMNS, extrasaction="ignore")
     writer.writeheader()
     for contact in contacts:
         cells = asdict(contact)

@@ -25,7 +25,7 @@ GEOGRAPHIC = {
     "platform_longitude": {"units": "degrees_east", "standard_name": "longitude", "long_name": "longitude on WGS 84"},
     "platform_latitude": {"units": "degrees_north", "standard_name": "latitude", "long_name": "latitude on WGS 84"},
 }
-TOGETHER = 2**20  # echoes of a block of pings
+BLOCK_ECHOES = 2**20  # echoes of a block of pings
 TARGET = "target"  # dimension of the variables of targets
 BOUNDS = ("first_ping", "last_ping", "first_bin", "last_bin")
 BOX = (TARGET, "channel", "bound")
@@ -91,7 +91,7 @@ def join_blocks(blocks: Sequence[Dataset]) -> Dataset:
 def split_record(record: Dataset, multiple: int = 1, together: int | None = None) -> Iterator[slice]:
     """Yield the pings of a record in blocks that fit in memory, each but the last a multiple of some pings."""
     pings, echoes = record.sizes["ping_time"], len(CHANNELS) * record.sizes["range_sample"]
-    block = multiple * max((together or TOGETHER) // (multiple * echoes), 1)
+    block = multiple * max((together or BLOCK_ECHOES) // (multiple * echoes), 1)
     return (slice(first, min(first + block, pings)) for first in range(0, pings, block))
 
 

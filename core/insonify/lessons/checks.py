@@ -13,11 +13,13 @@ from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.quantities import QUANTITIES
 from insonify.lessons.questions import Ask
 from insonify.lessons.states import AUTOMATIC, USUAL_TOLERANCE, LessonState, named, states_of
+from insonify.lessons.wording import fill_in
 
 
 def check_lesson(lesson: Lesson) -> None:
     """Check that every step of a lesson can be done, one after the other, and its questions answered."""
     topics = {course.name: course.topics for course in (*load_courses(), OTHER)}
+    lesson = fill_in(lesson)
     with named(lesson):
         if lesson.course not in topics:
             known = ", ".join(filter(None, topics))
@@ -34,7 +36,7 @@ def check_lesson(lesson: Lesson) -> None:
 
 def check_records(lesson: Lesson) -> int:
     """Check questions of a lesson against simulated records; return how many were compared."""
-    checked = 0
+    checked, lesson = 0, fill_in(lesson)
     records: dict[Any, Dataset] = {}
     for step, start, end in states_of(lesson):
         with named(lesson, step):

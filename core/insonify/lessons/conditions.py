@@ -59,12 +59,17 @@ class Expression:
     """A number calculated from fields and quantities."""
 
     text: str  # as written
+    names: tuple[str, ...]  # fields and quantities that it reads
     _term: Term = field(repr=False, compare=False)
 
     def number(self, source: Reader | Lookup) -> float | None:
         """Return its value, None where a field or a quantity has none."""
-        value = _evaluate(self._term, source)
+        value = self.value(source)
         return None if value is None or isinstance(value, bool | str) else float(value)
+
+    def value(self, source: Reader | Lookup) -> Value | None:
+        """Return its value, which may be a text, None where a field or a quantity has none."""
+        return _evaluate(self._term, source)
 
 
 def parse_condition(text: str) -> Condition:
@@ -80,7 +85,7 @@ def parse_expression(text: str) -> Expression:
     parser, term = _parse(text, "join values by + - * /")
     if parser.compares:
         raise _fault(text, "is a comparison where a number is needed; write for example 2 * altitude()")
-    return Expression(text, term)
+    return Expression(text, (*parser.fields, *parser.quantities), term)
 
 
 def _parse(text: str, remedy: str) -> tuple[_Parser, Term]:
@@ -106,7 +111,7 @@ class _Parser:
     """Parser of a condition by the ranks of its operators."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.fields, self.compares = text, list[str](), False
+        self.text, self.fields, self.quantities, self.compares = text, list[str](), list[str](), False
         self._tokens = _tokens(text)
         self._place = self._depth = 0
 
@@ -157,6 +162,7 @@ class _Parser:
 
     def _call(self, name: str) -> Term:
         """Parse the arguments of a quantity, or of `BEFORE`."""
+        self.quantities.append(name)
         self._descend()
         self._next()
         arguments = [] if self.token == ")" else [self.expression()]

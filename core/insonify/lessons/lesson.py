@@ -34,6 +34,7 @@ class LessonHead(Declaration):
     course: str = ""
     minutes: int = Field(default=0, ge=0)
     set: dict[str, Any] = Field(default={})
+    draw: dict[str, tuple[float, float]] = Field(default={})  # least and greatest value of fields that every run draws
     display: dict[str, Any] = Field(default={})  # display options of the record
 
     @field_validator("display")

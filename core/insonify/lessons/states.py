@@ -10,7 +10,7 @@ from insonify.errors import SceneError, is_count, located
 from insonify.files import bundled_scenes
 from insonify.lessons.conditions import Reader, Value
 from insonify.lessons.lesson import Lesson, Step
-from insonify.lessons.quantities import QUANTITIES, SIDES
+from insonify.lessons.quantities import CHANNEL_SIDES, QUANTITIES
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import Declaration, is_field
 
@@ -102,8 +102,8 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
         if isinstance(value, bool | str) or not 0.0 < value <= 1.0:
             raise SceneError(f"{path}: {value!r} is out of bounds; give a number above 0 and at most 1")
     elif path == "point.side":
-        if value not in SIDES:
-            raise SceneError(f"{path}: {value!r} is not a side; choose one of {', '.join(SIDES)}")
+        if value not in CHANNEL_SIDES:
+            raise SceneError(f"{path}: {value!r} is not a side; choose one of {', '.join(CHANNEL_SIDES)}")
     elif path == "point.slant_range":
         if isinstance(value, bool | str) or not 0.0 <= value < scene.sonar.range:
             raise SceneError(f"{path}: {value!r} is outside the record; give 0 up to {scene.sonar.range:g} m")

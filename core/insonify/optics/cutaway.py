@@ -13,11 +13,11 @@ from insonify.packing.scene_arrays import make_bed
 from insonify.scene import Scene
 from insonify.terrain import Ground
 
-MARGIN = 0.07  # of the longer side, around everything that must be shown
+CUTAWAY_MARGIN = 0.07  # of the longer side, around everything that must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
 SHADOW = 1.4  # times the distance of a target, to which its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed
-ROOM = 0.02  # of it, above the highest thing
+ROOM_ABOVE = 0.02  # of it, above the highest thing
 SWATH = 0.9  # share of the ground range that is shown of a bed without targets
 AZIMUTH, DEPRESSION = math.radians(38.0), math.radians(33.0)  # of the view: astern and aside, and down
 AWAY = 2.6  # of the diagonal of the cutaway
@@ -90,7 +90,7 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     low, high = sides.min(axis=0), sides.max(axis=0)
     longer = float((high - low).max())
     # With a margin and a least width.
-    half, middle = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer), 0.5 * (low + high)
+    half, middle = np.maximum(0.5 * (high - low) + CUTAWAY_MARGIN * longer, 0.5 * SLENDER * longer), 0.5 * (low + high)
     low, high = middle - half, middle + half
     heights = _heights(optical.ground, axes, low, high)
     longer = float((high - low).max())
@@ -99,7 +99,7 @@ def make_cutaway(optical: OpticalScene) -> Cutaway:
     return Cutaway(
         axes,
         np.append(low, bottom),
-        np.append(high, top + ROOM * longer),
+        np.append(high, top + ROOM_ABOVE * longer),
         lamp,
         np.vstack([corners, lamp, points]),
         -1.0 if _to_port(arrays.solids, arrays.mesh, lamp, axes[1]) >= 0.0 else 1.0,

@@ -27,8 +27,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 Shares = Sequence[tuple[str, float]]
 SHORT = 1e-5  # m before a hit, where the ray starts that finds its normal
 LONG = 400.0  # m after which a ray through mirrors ends
-WIDTH = 1200
-SAMPLES = 2  # rays of a pixel, each way
+PICTURE_WIDTH = 1200
+RAYS_PER_PIXEL = 2  # rays of a pixel, each way
 DEEP, CLEAR = np.array([0.008, 0.030, 0.050]), np.array([0.070, 0.185, 0.245])  # of the water below and above, as shown
 STEEP, SLIGHT = -0.64, -0.45  # vertical components of directions that show these colours
 VEIL = 0.07  # share of a pixel that is light scattered by the water
@@ -38,7 +38,7 @@ CUT = np.array([0.11, 0.075])  # share of it that the sides of the cutaway retur
 MIDDLE, WHITE = 0.22, 99.9  # brightness of the middle tone, percentile that is white
 GAMMA = 2.2
 OFF = 1e-4  # m above a surface, where the ray to the lamp starts
-FAR = 1e4  # m
+LAMP_REACH = 1e4  # m
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
 SIZE = 0.045  # length over the longer side of the cutaway: larger than life, to be visible
 LINE = 0.0007  # of it: radius of the plumb line
@@ -78,7 +78,7 @@ class OpticalHits(NamedTuple):
     escaped: Floats  # (n,) share of the ray that continues from here and hits nothing
 
 
-def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> Bytes:
+def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = PICTURE_WIDTH) -> Bytes:
     """Draw a scene lit by a lamp at the sonar, half way along the track."""
     renderer = LightRenderer(optical, cutaway)
     camera = make_camera(cutaway, width)
@@ -99,7 +99,7 @@ class LightRenderer:
 
     def rows(self, camera: Camera, first: int, last: int) -> Floats:
         """Average the light of the rays through each pixel of some rows."""
-        ways = camera.directions(np.arange(first, last), SAMPLES)
+        ways = camera.directions(np.arange(first, last), RAYS_PER_PIXEL)
         seen = self.light_along(camera.place, ways.reshape(-1, 3))
         return np.asarray(seen.reshape(*ways.shape[:-1], 6).mean(axis=(1, 3)))
 
@@ -131,7 +131,7 @@ class LightRenderer:
         far = np.linalg.norm(to_lamp, axis=1)
         to_lamp /= far[:, None]
         cosine = np.einsum("ij,ij->i", found.normal, to_lamp)
-        free, _, _ = cast(self._arrays, found.where + OFF * found.normal, to_lamp, reach=FAR)
+        free, _, _ = cast(self._arrays, found.where + OFF * found.normal, to_lamp, reach=LAMP_REACH)
         lamp = LAMP * ((cosine > 0.0) & (free > far - 2.0 * OFF))[:, None]
         mirrored = 2.0 * cosine[:, None] * found.normal - to_lamp
         lobe = np.maximum(-np.einsum("ij,ij->i", mirrored, found.way), 0.0) ** shininess

@@ -21,7 +21,7 @@ from insonify.tow.poses import take_poses
 Column = NDArray[Any]
 
 # Refracted rays may go farther in the time of a slant range than straight ones.
-MARGIN = 1.1
+REACH_MARGIN = 1.1
 KEPT_BEDS, MOST_BEDS = 2, 6  # of pings that follow one another, and of a call over many windows; some 23 MB each
 LARGEST = 2**28  # bytes of the beds of all grounds, though the newest of each call is kept whatever it takes
 _SHARED: WeakValueDictionary[Hashable, _WindowBeds] = WeakValueDictionary()
@@ -41,9 +41,12 @@ class TerrainTiles:
         if self._beds is not None and poses.x.size:
             self._beds.make_room(len(np.unique(self._beds.ground.cell(poses.x, poses.y), axis=0)))
 
-    def map(self, trace: Callable[[SceneArrays, Poses], Any], arrays: SceneArrays, poses: Poses) -> Any:
-        """Trace pings tile by tile: an array of the pings, or a tuple of such arrays."""
-        parts = [(some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses)]
+    def map(self, trace: Callable[..., Any], arrays: SceneArrays, poses: Poses, *others: Integers) -> Any:
+        """Trace pings, with other arrays of theirs, tile by tile: an array of the pings, or a tuple of such arrays."""
+        parts = [
+            (some, trace(tile, take_poses(poses, some), *(each[some] for each in others)))
+            for some, tile in self.split(arrays, poses)
+        ]
         if len(parts) == 1:
             return parts[0][1]
         places = np.concatenate([np.asarray(some) for some, _ in parts])
@@ -91,7 +94,7 @@ class _WindowBeds:
                 near = StoredWindow(*place, self._beds[place].heights, self._beds[place].materials)
             while len(self._beds) >= self._room:  # before the new one takes memory
                 self._beds.popitem(last=False)
-        made = make_bed(self.ground.window(row, column, MARGIN * self._reach, near))
+        made = make_bed(self.ground.window(row, column, REACH_MARGIN * self._reach, near))
         with self._lock:
             self._beds[row, column] = made
         # Beds of the grounds that were used least recently are dropped until all together are small enough.

@@ -1,16 +1,11 @@
 """Plan of a simulation: one entry per choice, with its reason, error and cost."""
 
-import shutil
-import textwrap
 from dataclasses import dataclass, field
 from typing import Any
 
 from insonify.packing.packed_scene import Model
 from insonify.tracers.base import find_tracer
 from insonify.tracers.plane_counts import Goal
-
-WIDEST, NARROWEST = 120, 60  # characters of a table
-ERROR, COST = 8, 10  # characters of the last two columns
 
 
 @dataclass(frozen=True)
@@ -88,36 +83,12 @@ class Plan:
             if entry.modelled is modelled
         ]
 
-    def table(self, width: int | None = None) -> str:
-        """Format all entries as a table in plain text."""
-        wide = min(max(width or shutil.get_terminal_size().columns, NARROWEST), WIDEST)
-        rows: list[str] = []
-        for title, modelled in (("Modelled", True), ("Left out", False)):
-            entries = [entry for entry in self.entries if entry.modelled is modelled]
-            if not entries:
-                continue
-            rows.append(f"{title:<{wide - ERROR - COST}}{'error':>{ERROR}}{'cost':>{COST}}")
-            for entry in entries:
-                name = f"  {entry.choice}{' (forced)' if entry.forced else ''}"
-                rows.append(f"{name:<{wide - ERROR - COST}}{_share(entry.error):>{ERROR}}{_time(entry.cost):>{COST}}")
-                rows += textwrap.wrap(entry.reason, wide, initial_indent="    ", subsequent_indent="    ")
-            rows.append("")
-        rows.append(f"{'Total':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
-        rows += textwrap.wrap("per ping, both sides, one thread", wide, initial_indent="  ")
-        return "\n".join(rows)
-
 
 def percent(error: float) -> str:
     """Write an error in percent."""
     return f"{float(f'{100.0 * error:.2g}'):g} %"
 
 
-def _share(error: float) -> str:
-    return "-" if error <= 0.0 else percent(error)
-
-
-def _time(seconds: float) -> str:
-    if seconds <= 0.0:
-        return "-"
-    # Without an exponent, which would fill the column and touch the one before.
-    return f"{1e6 * seconds:.0f} µs" if seconds >= 1e-4 else f"{1e6 * seconds:.3g} µs"
+def counted(number: int, noun: str) -> str:
+    """Write a number of things: "1 plane", "2 planes"."""
+    return f"{number} {noun}{'s' * (number != 1)}"

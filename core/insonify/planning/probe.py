@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,23 +13,24 @@ from numpy.typing import ArrayLike
 from insonify.acoustics.flat_bed import ERROR_ALTITUDES, compute_flat_bed_curves, find_first_bin
 from insonify.arrays import Booleans, Floats, Singles
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
-from insonify.parallel import in_parallel
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.containment import refuse_sonar_in_target
+from insonify.packing.packed_scene import Model, PackedScene
+from insonify.parallel import count_threads, in_parallel
 from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
 from insonify.tracers.base import find_tracer, prepare_tracer
-from insonify.tracers.plane_counts import TracedPings, errors_over_bed
-from insonify.tracers.sweep import trace_measured
+from insonify.tracers.plane_counts import empty_squares, errors_over_bed
+from insonify.tracers.sweep import Sweep, trace_measured
 
-FEW = 12  # pings at least on which models are compared
-LITTLE = 1e6  # work of some milliseconds, which more pings than these may take together
+MEASURED, FEWEST, SHARE_OF_TRACK = 16, 4, 16  # pings measured: one in sixteen of the track, within bounds
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
-WORK_OF_A_THREAD = 1e5  # of the pings of a call, beside which what the call itself takes is little
+WORK_OF_A_THREAD = 2e5  # of the pings of a call, beside which what the call itself takes is little
+SECONDS_OF_WORK = 7e-9  # where nothing was timed
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
-MEASURED = 16  # pings on which the errors of planes are measured
-FEW_PLANES, MANY_PLANES = 4, 16  # by which they are
+FEW_PLANES, MANY_PLANES = 4, 16  # by which errors of planes are measured
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
 LEAST_TRUST = 0.5
@@ -46,6 +46,14 @@ def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Singles:
         lambda tile, some: tracer.trace(tile, some, threads=1, **settings), packed.reduce(model), poses
     )
     return found
+
+
+def trace_planes(packed: PackedScene, model: Model, poses: Poses) -> tuple[Singles, Floats]:
+    """Trace pings by a swept model on one thread, with the squares of the errors of their planes."""
+    settings = find_tracer(model.method).settings(model) | {"threads": 1}
+    tiles, arrays = packed.ground_tiles(model.every, 0), packed.reduce(model)
+    echoes, squares, *_ = tiles.map(lambda tile, some: trace_measured(tile, some, **settings), arrays, poses)
+    return echoes, squares
 
 
 def work_of(packed: PackedScene, model: Model) -> float:
@@ -67,60 +75,84 @@ class PlaneLaw(NamedTuple):
         """Error of a number of planes."""
         return self.error * (FEW_PLANES / planes) ** self.power
 
+    def usual(self, planes: int) -> float:
+        """Estimated error of a number of planes within which most measured pings are."""
+        return self.trust * float(np.quantile(self.estimated, USUAL)) * (FEW_PLANES / planes) ** self.power
+
     def enough(self, counts: Sequence[int], tolerance: float) -> int:
         """Return the fewest planes with which most measured pings are within a tolerance; the most if none are."""
-        usual = self.trust * float(np.quantile(self.estimated, USUAL))
-        within = (count for count in counts if usual * (FEW_PLANES / count) ** self.power <= tolerance)
-        return next(within, counts[-1])
+        return next((count for count in counts if self.usual(count) <= tolerance), counts[-1])
 
 
 class Probe:
     """A few pings of a scene, each traced at most once by any model."""
 
-    def __init__(self, packed: PackedScene, pings: ProbePings) -> None:
+    def __init__(self, packed: PackedScene, pings: ProbePings, targets: tuple[int, ...] = ()) -> None:
         self._packed = packed
-        ordered, self._is_across = pings.interleaved()
-        self._poses = make_poses(packed.scene, packed.ground, ordered)
-        clear = ~find_pings_in_bed(packed.ground, self._poses)
+        ordered, across = pings.interleaved()
+        size = max(min(packed.scene.track.pings // SHARE_OF_TRACK, MEASURED), FEWEST)
+        ordered, across = ordered[:size], across[:size]
+        poses = make_poses(packed.scene, packed.ground, ordered)
+        clear = ~find_pings_in_bed(packed.ground, poses)
         if not clear.any():
-            refuse_sonar_in_bed(packed.scene, packed.ground, ordered, self._poses)
-        # Pings from below the bed are refused when they are simulated.
-        self._poses, self._is_across = take_poses(self._poses, clear), self._is_across[clear]
+            refuse_sonar_in_bed(packed.scene, packed.ground, ordered, poses)
+        # Pings from below the bed or inside a target are refused when they are simulated.
+        clear[clear] = _find_clear_of_targets(packed.reduce(Model(targets=targets)), take_poses(poses, clear))
+        self._poses, self._is_across = take_poses(poses, clear), across[clear]
         self._near = find_first_bin(1.0, packed.arrays, self._poses)
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
-        self._traced: dict[Model, Singles] = {}
-        self._timed: dict[tuple[str, bool], float] = {}  # seconds per work
+        self._traced: dict[tuple[Model, tuple[int, ...]], Singles] = {}
+        self._squares: dict[Model, Floats] = {}
+        self._rates: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Any, ...], float] = {}
-        self._laws: dict[Model, PlaneLaw] = {}
 
-    def leave_out_collisions(self, model: Model) -> None:
-        """Leave out pings in which the sonar is inside a target: they are refused when they are simulated."""
-        try:
-            self._trace(model, self._is_across.size)
-        except SceneError:
-            kept = []
-            for ping in range(self._is_across.size):
-                with suppress(SceneError):
-                    trace_model(self._packed, model, take_poses(self._poses, slice(ping, ping + 1)))
-                    kept.append(ping)
-            if not kept:
-                raise
-            self._poses, self._is_across = take_poses(self._poses, np.array(kept)), self._is_across[kept]
-            self._scale = self._scale[kept]
-
-    def work(self, model: Model) -> float:
-        """Return the work of a ping by a model."""
-        return work_of(self._packed, model)
-
-    def count(self, model: Model) -> int:
-        """Return the number of pings on which a model is compared with a coarser one."""
-        return min(self._is_across.size, max(FEW, int(LITTLE / self.work(model))))
+    @property
+    def size(self) -> int:
+        """Number of its pings."""
+        return self._is_across.size
 
     def affords(self, model: Model) -> bool:
         """Whether a model may be traced to judge a coarser one; errors of more work are predicted from its order."""
-        return self.count(model) * self.work(model) <= MOST
+        return self.size * work_of(self._packed, model) <= MOST
+
+    def trace(self, models: Sequence[Model], of: tuple[int, ...] = ()) -> None:
+        """Trace the pings, or some of them, by models that they are not traced by yet: all in one call of threads."""
+        pings, threads = np.array(of or range(self.size)), count_threads()
+        models = [model for model in dict.fromkeys(models) if (model, of) not in self._traced]
+        works = [work_of(self._packed, model) * pings.size for model in models]
+        share = max(sum(works) / (4 * threads), WORK_OF_A_THREAD) if threads > 1 else math.inf
+        tasks = [
+            (model, part)
+            for work, model in sorted(zip(works, models), key=lambda pair: pair[0])
+            for part in np.array_split(pings, min(max(round(work / share), 1), pings.size))
+        ]
+        shares = in_parallel(
+            lambda first, last: [self._trace(*task) for task in tasks[first:last]], len(tasks), least=1
+        )
+        parts = [found for share in shares for found in share]
+        for model in models:
+            own = [found for (other, _), found in zip(tasks, parts) if other is model]
+            echoes = np.concatenate([echoes for echoes, _ in own])[:, :, self._near :] * self._scale[pings]
+            self._traced[model, of] = echoes
+            if model.planes > 1 and not of:
+                self._squares[model] = np.concatenate([squares for _, squares in own])
+
+    def _trace(self, model: Model, pings: ArrayLike) -> tuple[Singles, Floats]:
+        """Trace pings by a model on one thread, timed; return the squares of the errors of planes too if swept."""
+        poses, began = take_poses(self._poses, np.asarray(pings)), time.thread_time()
+        if model.planes > 1 and isinstance(find_tracer(model.method), Sweep):
+            found = trace_planes(self._packed, model, poses)
+        else:
+            found = trace_model(self._packed, model, poses), empty_squares(0)
+        kind, work = (model.method, model.bent), work_of(self._packed, model) * max(poses.x.size, 1)
+        self._rates[kind] = min(self._rates.get(kind, math.inf), (time.thread_time() - began) / work)
+        return found
+
+    def rate(self, model: Model) -> float:
+        """Seconds of a unit of work by a model's method, as the least of those timed."""
+        return self._rates.get((model.method, model.bent), SECONDS_OF_WORK)
 
     def difference(
         self,
@@ -129,107 +161,75 @@ class Probe:
         *,
         before: Model | None = None,
         nearer: float = 0.0,
-        cautious: bool = False,
         of: tuple[int, ...] = (),
     ) -> float:
-        """Error of a model against a finer one, of some pings or all: the greater of those over track and targets.
+        """Error of a model against a finer one, of all pings or some: the greater of those over track and targets.
 
-        With the model before both in their order it includes what still finer ones add to the difference.
+        Of all pings it includes its standard error; with the model before both in their order, also what still finer
+        ones add to the difference.
         """
-        coarse, fine, before = _without_surface_echo(coarse, fine, before or coarse)
+        before = before or coarse
         if coarse == fine:
             return 0.0
-        key = coarse, fine, before, nearer, cautious, of
+        key = coarse, fine, before, nearer, of
         if key not in self._differences:
-            count = self.count(max(coarse, fine, key=self.work))
-            records = [self._trace(model, count, of) for model in (before, coarse, fine)]
-            across, errors = self._is_across[list(of) or slice(count)], [0.0]
+            self.trace((before, coarse, fine), of)
+            across, errors = self._is_across[list(of) or slice(None)], [0.0]
             for group in (across, ~across):
-                some = [record[group] for record in records]
+                some = [self._traced[model, of][group] for model in (before, coarse, fine)]
                 rest = 1.0 - min(max(_trend(*(record[:, :, self._beyond :] for record in some)), 0.0), MOST_TREND)
                 missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (some[1] - some[2], some[2]))
-                errors.append(_error(missed[:, self._beyond :], whole[:, self._beyond :], cautious) / rest)
-                if nearer > 0.0:
-                    errors.append(nearer * _error(missed, whole, cautious) / rest)
+                some_missed, some_whole = (squares[:, self._beyond :] for squares in (missed, whole))
+                errors.append(_error(some_missed, some_whole, is_bound=not of) / rest)
+                errors.append(nearer * _error(missed, whole) / rest)
             self._differences[key] = max(errors)
         return self._differences[key]
 
-    def measure_planes(self, model: Model) -> PlaneLaw:
-        """Errors of a swept model by the number of its planes, from few planes of the same pings and from many."""
-        model = _without_surface_echo(model)[0]
-        if model not in self._laws:
-            count = min(self._is_across.size, MEASURED)
-            poses, across = take_poses(self._poses, slice(count)), self._is_across[:count]
-            few, many = (self._measure(model._replace(planes=planes), poses) for planes in (FEW_PLANES, MANY_PLANES))
-            one, other = (each.echoes[:, :, self._near :] * self._scale[:count] for each in (few, many))
-            squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
-            found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
-            estimated = (errors_over_bed(each.squares.sum(axis=1)) for each in (few, many))
-            errors = np.stack([np.maximum(*found), *estimated])
-            self._laws[model] = _fit_law(errors, [group for group in (~across, across) if group.any()])
-        return self._laws[model]
+    def law(self, few: Model, many: Model) -> PlaneLaw:
+        """Errors by the number of planes, from few planes of the same pings and from many."""
+        self.trace((few, many))
+        one, other = (self._traced[model, ()] for model in (few, many))
+        squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
+        found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
+        estimated = (errors_over_bed(self._squares[model].sum(axis=1)) for model in (few, many))
+        groups = [group for group in (~self._is_across, self._is_across) if group.any()]
+        return _fit_law(np.stack([np.maximum(*found), *estimated]), groups)
 
-    def _measure(self, model: Model, poses: Poses) -> TracedPings:
-        """Trace pings by a swept model with the errors of their planes."""
-        settings = find_tracer(model.method).settings(model)
-        tiles, arrays = self._packed.ground_tiles(model.every, 0), self._packed.reduce(model)
-        return TracedPings(*tiles.map(lambda tile, some: trace_measured(tile, some, **settings), arrays, poses))
+    def folds(self, model: Model) -> bool:
+        """Whether several eigenrays or none reach some places from some of the pings."""
+        return bool(make_apparent_tables(self._packed.reduce(model), self._poses)[1].any())
 
     def loudest(self, model: Model, most: int) -> tuple[int, ...]:
         """Return the pings of the greatest energy over the level-bed curve by a model."""
-        record = self._trace(_without_surface_echo(model)[0], self.count(model))[:, :, self._beyond :]
-        energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
+        self.trace([model])
+        energy = np.square(self._traced[model, ()][:, :, self._beyond :], dtype=np.float64).sum(axis=(1, 2))
         return tuple(np.argsort(-energy, kind="stable")[:most].tolist())
-
-    def seconds(self, model: Model) -> float:
-        """Seconds of a ping by a model, one thread: by its work, from the first of its kind that was timed."""
-        kind = model.method, model.bent
-        if kind not in self._timed:
-            alike = [other for other in self._traced if (other.method, other.bent) == kind and self.affords(other)]
-            timed = model if self.affords(model) or not alike else max(alike, key=self.work)
-            # Of a ping over the track, of which few meet targets. A call for one ping takes as long besides the ping
-            # itself as one for many.
-            pings = np.flatnonzero(~self._is_across)[: max(int(LITTLE / self.work(timed)), 2)]
-            one, many = (self._time(self._packed, timed, pings[:count]) for count in (1, pings.size))
-            seconds = (many - one) / (pings.size - 1) if pings.size > 1 and many > one else many / pings.size
-            self._timed[kind] = seconds / self.work(timed)
-        return self._timed[kind] * self.work(model)
 
     def seconds_of_first(self, packed: PackedScene, model: Model) -> float:
         """Seconds of the first ping by a model of another scene with the same track."""
-        kernels = (model.method, model.bent, bool(model.ways))
+        kernels, poses = (model.method, model.bent, bool(model.ways)), take_poses(self._poses, slice(0, 1))
         if kernels not in _LOADED:  # the first call takes longer, for it loads them
-            self._time(packed, model, [0])
+            trace_model(packed, model, poses)
             _LOADED.add(kernels)
-        return self._time(packed, model, [0])
-
-    def _time(self, packed: PackedScene, model: Model, pings: ArrayLike) -> float:
-        """Processor time that some of the pings take, in seconds."""
-        poses, began = take_poses(self._poses, np.asarray(pings)), time.thread_time()
+        began = time.thread_time()
         trace_model(packed, model, poses)
         return time.thread_time() - began
 
-    def _trace(self, model: Model, count: int, of: tuple[int, ...] = ()) -> Singles:
-        """Trace a number of the pings, or some of them, unless they are traced already."""
-        pings = np.array(of or range(min(count, self._is_across.size)))
-        if model in self._traced and self._traced[model].shape[0] > pings.max():
-            return self._traced[model][pings]
 
-        def block(first: int, last: int) -> Singles:
-            return trace_model(self._packed, model, take_poses(self._poses, pings[first:last]))
-
-        parts = in_parallel(block, pings.size, least=max(1, int(WORK_OF_A_THREAD / self.work(model))))
-        made = np.asarray(np.concatenate(parts)[:, :, self._near :] * self._scale[pings])
-        if not of:
-            self._traced[model] = made
-        return made
-
-
-def _without_surface_echo(*models: Model) -> tuple[Model, ...]:
-    """Models without the echo of the sea surface itself if all have it: alike in all, it may outweigh the bed."""
-    if not all(SURFACE_ECHO in model.ways for model in models):
-        return models
-    return tuple(model._replace(ways=model.ways - {SURFACE_ECHO}) for model in models)
+def _find_clear_of_targets(arrays: SceneArrays, poses: Poses) -> Booleans:
+    """Whether the sonar is outside of all targets at each ping; refuse pings of which none is."""
+    clear, fault = np.ones(poses.x.size, np.bool_), None
+    try:
+        refuse_sonar_in_target(arrays, poses)
+    except SceneError:
+        for ping in range(clear.size):
+            try:
+                refuse_sonar_in_target(arrays, take_poses(poses, slice(ping, ping + 1)))
+            except SceneError as error:
+                clear[ping], fault = False, error
+    if fault is not None and not clear.any():
+        raise fault
+    return clear
 
 
 def _fit_law(errors: Floats, groups: list[Booleans]) -> PlaneLaw:
@@ -250,10 +250,10 @@ def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Singles:
     return np.divide(1.0, curve, out=np.zeros_like(curve), where=echoes).astype(np.float32)
 
 
-def _error(missed: Floats, whole: Floats, cautious: bool) -> float:
-    """Error of a group of pings from squares, (n, bins) each; a cautious one with its standard error."""
+def _error(missed: Floats, whole: Floats, is_bound: bool = True) -> float:
+    """Error of a group of pings from squares, (n, bins) each; with its standard error if it is to be a bound."""
     squares = missed.sum(axis=1), whole.sum(axis=1)
-    return float(_ratio(missed.sum(), whole.sum())) + (_standard_error(*squares) if cautious else 0.0)
+    return float(_ratio(missed.sum(), whole.sum())) + is_bound * _standard_error(*squares)
 
 
 def _trend(coarser: Singles, coarse: Singles, fine: Singles) -> float:
@@ -283,7 +283,8 @@ def _standard_error(missed: Floats, whole: Floats) -> float:
 
 def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
     """Add those pings over the track that are much louder than others, by one plane over the bed alone."""
-    if packed.scene.seabed.relief.level:
+    relief, has_lobes = packed.scene.seabed.relief, packed.arrays.limits.shininess > 0.0
+    if relief.level or not (has_lobes or relief.measured):  # alike everywhere, and without glints
         return pings
     searched = spread_over_track(packed.scene, SEARCHED)
     poses = make_poses(packed.scene, packed.ground, searched)
@@ -292,4 +293,4 @@ def add_loud_pings(packed: PackedScene, pings: ProbePings) -> ProbePings:
     energy = np.square(record, dtype=np.float64).sum(axis=(1, 2))
     loudest = np.argsort(-energy, kind="stable")[:FOUND]
     loud = loudest[energy[loudest] > LOUD * energy.mean()]
-    return pings._replace(spread=np.union1d(pings.spread, searched[loud]))
+    return pings._replace(spread=np.union1d(pings.spread, searched[loud]), loud=searched[loud])

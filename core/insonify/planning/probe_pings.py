@@ -33,6 +33,7 @@ class ProbePings(NamedTuple):
 
     spread: Integers  # (n,) pings over the whole track
     across: Integers  # (m,) pings in which the beam crosses targets
+    loud: Integers = np.zeros(0, np.int64)  # those over the track that are louder than others
 
     @property
     def all(self) -> Integers:
@@ -40,9 +41,10 @@ class ProbePings(NamedTuple):
         return np.concatenate([self.spread, self.across])
 
     def interleaved(self) -> tuple[Integers, Booleans]:
-        """Return all of them in an order in which the first few are spread like all, and which are across targets."""
-        place = [(GOLDEN * np.arange(part.size) % 1.0).argsort(kind="stable").argsort() for part in self]
-        order = np.argsort(np.concatenate([(rank + 0.5) for rank in place]), kind="stable")
+        """Return all of them, loud ones first, the others so that few are spread like all; and which cross targets."""
+        parts = self.spread, self.across
+        place = [(GOLDEN * np.arange(part.size) % 1.0).argsort(kind="stable").argsort() for part in parts]
+        order = np.argsort(np.concatenate(place), kind="stable")
         return self.all[order], (order >= self.spread.size)
 
 

@@ -21,7 +21,7 @@ from insonify.scene import Scene
 from insonify.terrain import AnyGround
 from insonify.tow.poses import bed_beneath, make_poses
 
-TOGETHER = 64  # pings received at a time, so that intermediate arrays stay in the processor cache
+PINGS_TOGETHER = 64  # pings received at a time, so that intermediate arrays stay in the processor cache
 AnyStage = TypeVar("AnyStage", bound=Stage)
 
 
@@ -105,8 +105,8 @@ def record_echoes(
         record = np.asarray(traced, np.float32)
 
     def block(first: int, last: int) -> None:
-        for low in range(first, last, TOGETHER):
-            part = slice(low, min(low + TOGETHER, last))
+        for low in range(first, last, PINGS_TOGETHER):
+            part = slice(low, min(low + PINGS_TOGETHER, last))
             echoes = traced[part]
             received = receive(reception, echoes, pings[part], None if divided is None else divided[part])
             if received is not echoes or record is not traced:

@@ -21,7 +21,7 @@ MOST_STEPS, MOST_NODES = 1024, 32
 RANGE_ROWS = 16  # per octave of slant range, of that correlation
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
 ROWS = 8  # of the table of quantiles, per doubling of the shape
-COLUMNS = 16  # per doubling of the exponential number
+PER_DOUBLING = 16  # per doubling of the exponential number
 FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 lies 1 number in 10¹⁹
 
 
@@ -39,7 +39,7 @@ class BedTexture:
         shape = self.shape if inverse_shape is None else 1.0 / np.maximum(inverse_shape, 1.0 / LARGEST_SHAPE)
         octaves = np.log2(np.clip(shape * self.growth, SMALLEST_SHAPE, LARGEST_SHAPE) / SMALLEST_SHAPE)
         place = np.broadcast_to(octaves * ROWS, strengths.shape).astype(np.float32)
-        transform_distribution(strengths, shape_table(), FIRST_COLUMN, COLUMNS, np.ascontiguousarray(place))
+        transform_distribution(strengths, shape_table(), FIRST_COLUMN, PER_DOUBLING, np.ascontiguousarray(place))
         return strengths
 
 
@@ -166,7 +166,7 @@ def shape_table() -> Singles:
 
     octaves = math.ceil(math.log2(LARGEST_SHAPE / SMALLEST_SHAPE) * ROWS)
     shape = SMALLEST_SHAPE * 2.0 ** (np.arange(octaves + 1)[:, None] / ROWS)
-    energy = 2.0 ** np.arange(FIRST_COLUMN, LAST_COLUMN + 0.5 / COLUMNS, 1.0 / COLUMNS)
+    energy = 2.0 ** np.arange(FIRST_COLUMN, LAST_COLUMN + 0.5 / PER_DOUBLING, 1.0 / PER_DOUBLING)
     few, many = energy[energy < 1.0], energy[energy >= 1.0]
     # Each half is inverted by its smaller tail, which keeps its digits.
     low, high = special.gammaincinv(shape, -np.expm1(-few)), special.gammainccinv(shape, np.exp(-many))

@@ -10,7 +10,7 @@ from insonify.errors import PlanWarning, warn_caller
 from insonify.planning.plan_entries import percent
 from insonify.tracers.plane_counts import MOST_PLANES
 
-UNIT, MOST = 2.0**40, 1e3  # squares of errors are counted in 2⁻⁴⁰; greatest error that counts
+UNIT, GREATEST_ERROR = 2.0**40, 1e3  # squares of errors are counted in 2⁻⁴⁰; greatest error that counts
 
 
 @dataclass
@@ -25,7 +25,7 @@ class RecordError:
 
     def add(self, pings: Integers, errors: Floats, planes: Integers) -> None:
         """Add pings by their numbers, their estimated errors and the planes that they are traced by."""
-        known = np.minimum(errors[~np.isnan(errors)].astype(np.float64), MOST)
+        known = np.minimum(errors[~np.isnan(errors)].astype(np.float64), GREATEST_ERROR)
         self.known += known.size
         self.squares += int(np.rint(UNIT * known * known).astype(np.int64).sum())
         over = np.flatnonzero((planes >= MOST_PLANES) & (errors > self.tolerance))

@@ -5,7 +5,7 @@ A declaration is a frozen, validated part of a scene. A field may hold one decla
 ``insonify.<family>``, and those that are declared later.
 """
 
-# Annotations are no texts here: pydantic would compile those of `Declaration` anew for each class that derives from it.
+# Annotations are no texts here: pydantic would compile those of `Declaration` again for each subclass.
 
 from collections.abc import Iterator
 from functools import cache
@@ -33,7 +33,7 @@ def _without_nul(path: str) -> str:
 
 
 FilePath = Annotated[str, AfterValidator(_without_nul)]
-# Words for a person, of which a terminal or a window obeys nothing.
+# Words for a person; a terminal or a window executes none of them.
 Words = Annotated[str, AfterValidator(plain_text)]
 
 

@@ -188,8 +188,8 @@ def _model_of_kind(models: tuple[type[Declaration], ...], kind: Any) -> type[Dec
     return next((model for model in models if kind_name(model) == kind), None)
 
 
-def part_at(scene: Scene, path: str) -> Any:
-    """Part of a scene at a dotted path, the scene itself for an empty one; None if there is none."""
+def part_at(scene: Declaration, path: str) -> Any:
+    """Part of a scene, or of a part of one, at a dotted path; the whole for an empty one, None if there is none."""
     place: Any = scene
     for step in filter(None, path.split(".")):
         is_position = isinstance(place, tuple) and is_count(step) and int(step) < len(place)

@@ -13,7 +13,8 @@ from insonify.io.file_access import LARGEST_TOML, FileFault, parse_toml, read_na
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.scene import Scene
 
-DEFAULT_SCENE = "default"
+DEFAULT_SCENE = "wreck-site"  # with which the viewer opens
+PLAIN_SCENE = "default"  # from which surveys and data sets derive theirs unless they name another
 
 
 def load_scene(name_or_path: str | Path) -> Scene:

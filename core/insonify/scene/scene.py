@@ -119,22 +119,21 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _law_and_beam_model_the_effects(self) -> Self:
-        is_light = self.sonar.law == "light"
-        if is_light and self.receiver.reverberation.echoes:
-            raise ValueError(
-                f"receiver.reverberation {self.receiver.reverberation.kind!r} is scattered by water and surface, which "
-                "sonar.law 'light' does not model; use law 'sonar' or remove the reverberation"
-            )
-        if is_light and self.volumes:
-            raise ValueError(
-                f"volumes: a {self.volumes[0].kind} scatters sound throughout, which sonar.law 'light' does not model; "
-                "use law 'sonar' or remove the volumes"
-            )
-        if is_light and self.receiver.speckle.interferes:
-            raise ValueError(
-                "receiver.speckle 'coherent' sums waves, which sonar.law 'light' does not model; "
-                "use law 'sonar' or another speckle"
-            )
+        receiver, water = self.receiver, self.water
+        # Law `light` has straight rays, and their first echoes from the bed and from targets alone.
+        effects = {
+            f"receiver.reverberation {receiver.reverberation.kind!r} is scattered by water and surface": (
+                receiver.reverberation.echoes, "remove the reverberation"),
+            "volumes scatter sound throughout": (self.volumes, "remove the volumes"),
+            "receiver.speckle 'coherent' sums waves": (receiver.speckle.interferes, "another speckle"),
+            f"water.surface {water.surface.kind!r} mirrors sound": (any(water.surface.paths), "remove the surface"),
+            f"water {water.kind!r} bends sound": (water.only_speed is None, "water of one speed"),
+            f"sonar.bounces {self.sonar.bounces} takes later echoes": (self.sonar.bounces > 0, "sonar.bounces 0"),
+        }  # fmt: skip
+        for effect, (present, remedy) in effects.items():
+            if self.sonar.law == "light" and present:
+                text = f"{effect}, which sonar.law 'light' does not model; use law 'sonar' or {remedy}"
+                raise ValueError(text)
         if self.receiver.speckle.interferes and not self.sonar.beam.has_width:
             raise ValueError(
                 "receiver.speckle 'coherent' sums the scatterers within the beam, and sonar.beam 'knife' has no width; "

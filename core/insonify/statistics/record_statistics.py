@@ -20,7 +20,7 @@ from insonify.scene import SceneError
 from insonify.terrain.periodic_waves import frequencies
 
 STRETCH = 512  # pings that are read together
-MOST = 2**25  # echoes that are measured; of a longer record, in stretches evenly along it
+MOST_ECHOES = 2**25  # echoes that are measured; of a longer record, in stretches evenly along it
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
 SEGMENT = 128  # samples of a segment for a spectrum
@@ -32,7 +32,7 @@ FEWEST = 1e-3  # least share of all blocks; fewer are due to chance, not shadows
 SPREADS = 5.0  # below the median, in spreads of the bed's own levels, that chance does not reach
 LEAST_DEPTH = 3.0  # dB
 SILENCE = -60.0  # dB; nothing counts as darker
-STEPS = 4.0  # least median amplitude, in steps of the record, from which it is measured
+LEAST_STEPS = 4.0  # least median amplitude, in steps of the record, from which it is measured
 OFF_STEP = 0.02  # greatest distance of an amplitude from a multiple of the step: 16 bits in single precision
 CLIPPED = 1e-4  # share of samples at the greatest amplitude above which it counts as full scale
 LOWEST_WAVE = 4.0  # cycles per period; lower frequencies have few waves and are clamped
@@ -115,7 +115,7 @@ class _Stretches:
     def __init__(self, record: xr.Dataset) -> None:
         pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
         # Stretches begin at whole patches, blocks and segments.
-        every = -(-2 * pings * bins // MOST)
+        every = -(-2 * pings * bins // MOST_ECHOES)
         self.stretches = [slice(at, min(at + STRETCH, pings)) for at in range(0, pings, STRETCH * every)]
         self._record, self._pings = record, pings
         self._range, self._altitude = record["slant_range"].values, fill_altitude(record)
@@ -135,7 +135,7 @@ class _Stretches:
         """Which echoes of some pings, (n, bins), are of the bed and above the noise of numbers, and the curve there."""
         altitude = self._altitude[some]
         curve = self._curve.at(altitude)
-        bed = (self._range >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * self._step)
+        bed = (self._range >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= LEAST_STEPS * self._step)
         return bed, curve
 
     def _find_scale(self) -> tuple[float, float]:

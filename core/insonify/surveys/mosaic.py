@@ -26,12 +26,12 @@ STRIP = 2**21  # cells whose sums are in memory at once
 BY_DISTANCE = ("nearest", "no-nadir")  # rules of overlaps by ground range
 NADIR_GAP = math.sqrt(1.4**2 - 1.0)  # altitudes of ground range at a slant range of 1.4 altitudes
 BEHIND = 1e9  # m, farther than any ground range
-FAINTEST = -40.0  # dB, of cells without an echo
+FAINTEST_LEVEL = -40.0  # dB, of cells without an echo
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
 BAND = "echo relative to the median of the record at its range"  # name of the levels in a GeoTIFF
 KMZ, GEOTIFF = ".kmz", (".tif", ".tiff")
 PICTURED, PALETTE = (1.0, 99.0), "copper"  # percentiles of levels, and colours, in pictures of a mosaic
-ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
+NEARER = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class _Extent(NamedTuple):
 
 def choose_cell(finest: float) -> float:
     """Return a round cell size, 1, 2 or 5 times a power of ten, no finer than a spacing of pings or bins."""
-    finest *= 1.0 + ALIKE
+    finest *= 1.0 + NEARER
     power = 10.0 ** math.floor(math.log10(finest))
     # Rounded down, so that a cell holds about one ping.
     return power * max(digit for digit in ROUND if digit * power <= finest)
@@ -121,7 +121,7 @@ def make_mosaic(swaths: Sequence[Laid], cell: float | None = None, overlap: str 
         layers = (_lay(swaths[number], part, strip, cell, overlap) for number, part in parts if part.holds_cells)
         energy = _combine(layers, overlap, count[first:last])
         with np.errstate(divide="ignore"):
-            level[first:last] = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
+            level[first:last] = np.maximum(10.0 * np.log10(energy), FAINTEST_LEVEL)  # NaN stays NaN
     corner = float(whole.low[0]) * cell, float(whole.high[1]) * cell
     return Mosaic(level[::-1], corner, cell, count[::-1])
 

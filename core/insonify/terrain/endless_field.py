@@ -111,7 +111,7 @@ class Nodes(NamedTuple):
 class EndlessField:
     """A Gaussian field of a given spectrum over the whole plane.
 
-    Parts of the lattices of a tile are cached for its neighbours; any other rectangle is computed by itself.
+    Parts of the lattices of a tile are cached for its neighbours; any other rectangle is computed alone.
     """
 
     def __init__(self, bands: tuple[Band, ...], spacing: float, seed: int, stream: int) -> None:

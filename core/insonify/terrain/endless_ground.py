@@ -20,7 +20,7 @@ Corner = tuple[float, float]
 Tiles = Callable[[int, int], NDArray[Any]]
 _Places = Integers
 
-FARTHEST = 2**31  # tiles along an axis, farther than any tow
+FARTHEST_TILE = 2**31  # tiles along an axis, farther than any tow
 SQUARE = 64  # nodes along a side of a square; a tile contains a whole number of squares
 KEPT_THINNED = 6  # heights, squares and materials of two thinned grounds
 
@@ -185,7 +185,7 @@ def _gathered(
     values = np.full(row.shape, np.nan)
     down, across = row // side, column // side
     # One number a square: sorting rows of two takes ten times as long.
-    number = down * FARTHEST + across
+    number = down * FARTHEST_TILE + across
     for each in np.unique(number):
         here = number == each
         square = make((int(down[here][0]), int(across[here][0])))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.arrays import Booleans, Bytes, Floats, Singles
 from insonify.scene.seabed.materials.catalogue import Reflectivity
 
-FARTHEST = 2.0**52  # cells; beyond, float64 cannot resolve integers
+FARTHEST_CELL = 2.0**52  # cells; beyond, float64 cannot resolve integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ class Ground:
 
 def resolves_cells(u: Floats, v: Floats) -> Booleans:
     """Whether float64 resolves cells at coordinates in cells from the first node."""
-    return (np.abs(u) < FARTHEST) & (np.abs(v) < FARTHEST)
+    return (np.abs(u) < FARTHEST_CELL) & (np.abs(v) < FARTHEST_CELL)
 
 
 def bilinear(corner: Callable[[int, int], NDArray[Any]], fu: NDArray[Any], fv: NDArray[Any]) -> NDArray[Any]:

@@ -12,10 +12,10 @@ from insonify.scene.track.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
 from insonify.tow.line import TowLine, recorded_at, tow_line_at
 
-SAMPLES = 64  # samples of the bed to either side of the fish
+BED_SAMPLES = 64  # samples of the bed to either side of the fish
 KNOTS = 8  # of the smoothed bed, to an altitude along the track
 STRETCH = 16  # knots that are computed together, two altitudes
-TOGETHER = 2048  # pings with samples in memory at a time
+PINGS_TOGETHER = 2048  # pings with samples in memory at a time
 
 
 def sonar_height(scene: Scene, ground: AnyGround) -> float:
@@ -24,7 +24,7 @@ def sonar_height(scene: Scene, ground: AnyGround) -> float:
 
 
 def make_poses(scene: Scene, ground: AnyGround, pings: Integers) -> Poses:
-    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line."""
+    """Place the sonar at the given pings; numbers beyond the track's last ping continue its line."""
     line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
     moved = _displacement(scene, pings)
@@ -45,11 +45,11 @@ def take_poses(poses: Poses, places: Integers | Booleans | slice) -> Poses:
 
 def bed_beneath(scene: Scene, ground: AnyGround, pings: Integers) -> Floats:
     """Smoothed height of the bed under the line, which a fish can follow: a mean over one altitude to either side."""
-    share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
+    share = np.arange(1 - BED_SAMPLES, BED_SAMPLES) / BED_SAMPLES
     # The altitude of a tow at a given depth over a measured bed follows from the bed's heights alone.
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
     numbers = np.asarray(pings, dtype=np.float64)
-    parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
+    parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / PINGS_TOGETHER))
     lines = (tow_line_at(scene, part[:, None] + reach * share) for part in parts)
     return np.concatenate([ground.height_near(line.x, line.y) @ _raised_cosine() for line in lines])
 
@@ -72,16 +72,16 @@ def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: Integers) ->
 def _knots_beneath(scene: Scene, ground: AnyGround, stretches: Integers, apart: float) -> Floats:
     """Smoothed heights at the knots of stretches of the line, (n, STRETCH + 1); neighbours share samples of the bed."""
     # ``apart`` is the number of pings from a knot to the next.
-    step = SAMPLES // KNOTS  # samples from a knot to the next
-    samples = step * STRETCH * stretches[:, None] + np.arange(1 - SAMPLES, step * STRETCH + SAMPLES)
+    step = BED_SAMPLES // KNOTS  # samples from a knot to the next
+    samples = step * STRETCH * stretches[:, None] + np.arange(1 - BED_SAMPLES, step * STRETCH + BED_SAMPLES)
     line = tow_line_at(scene, samples * (apart / step))
-    windows = np.lib.stride_tricks.sliding_window_view(ground.height_near(line.x, line.y), 2 * SAMPLES - 1, axis=1)
+    windows = np.lib.stride_tricks.sliding_window_view(ground.height_near(line.x, line.y), 2 * BED_SAMPLES - 1, axis=1)
     return np.asarray(windows[:, ::step] @ _raised_cosine())
 
 
 def _raised_cosine() -> Floats:
-    """Weights of the samples about a place, (2 `SAMPLES` - 1,)."""
-    return (1.0 + np.cos(math.pi * np.arange(1 - SAMPLES, SAMPLES) / SAMPLES)) / (2.0 * SAMPLES)
+    """Weights of the samples about a place, (2 `BED_SAMPLES` - 1,)."""
+    return (1.0 + np.cos(math.pi * np.arange(1 - BED_SAMPLES, BED_SAMPLES) / BED_SAMPLES)) / (2.0 * BED_SAMPLES)
 
 
 def platform_columns(poses: Poses, ground: AnyGround) -> tuple[Floats, ...]:

@@ -7,23 +7,24 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from insonify.arrays import Floats, Integers
 from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.geometry.solids import highest_place
 from insonify.kernels.sweep.plane_errors import LEAST_PLANES
-from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
+from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan, LaidPlanes
 from insonify.tow.poses import take_poses
 from insonify.tracers.target_planes import (
     divide_at_targets,
-    find_divided_pings,
     find_pings_met,
     find_target_sectors,
     has_bodies,
+    heights_of,
     split_pings,
 )
 
@@ -52,34 +53,81 @@ GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
 def lay_planes(
-    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None = None, across: int = 0
-) -> list[tuple[Integers, AzimuthFan]]:
-    """Lay the planes of a scene's beam, with as many across each target in the beam as are asked for."""
-    laid = _lay_alike(arrays, poses, planes, laid_at)
-    if across == 0 or arrays.half_width <= 0.0 or not has_bodies(arrays):
-        return laid
-    own: list[tuple[Integers, AzimuthFan]] = []
-    # One plane stands for a whole beam that meets no target.
-    for places, fan in _lay_alike(arrays, poses, planes if planes > 1 else LEAST_PLANES, laid_at, divided=True):
-        for part in split_pings(arrays, places):
-            some = take_poses(poses, part)
-            sectors, height = find_target_sectors(arrays, some, across), np.maximum(some.z - arrays.bed.low, LOWEST)
-            divided = find_divided_pings(fan, sectors, height)
-            own += [(part[[ping]], divide_at_targets(fan, sectors, ping, height, across)) for ping in divided]
-            if planes == 1:
-                met = np.setdiff1d(part[find_pings_met(arrays, some, fan)], part[divided])
-                own += [(met, fan)] if met.size > 0 else []
-    if not own:
-        return laid
-    taken = np.concatenate([places for places, _ in own])
-    others = ((np.setdiff1d(places, taken), fan) for places, fan in laid)
-    return [*((places, fan) for places, fan in others if places.size > 0), *own]
+    arrays: SceneArrays, poses: Poses, planes: ArrayLike, across: ArrayLike = 0, laid_at: Floats | None = None
+) -> LaidPlanes:
+    """Lay the planes of the beams of pings.
+
+    Parameters
+    ----------
+    arrays, poses : SceneArrays, Poses
+        n pings.
+    planes, across : int or (n,) int64
+        Planes across the main lobe of each ping, and least number of them across each target in its beam.
+    laid_at : (n,) float64, optional
+        Heights by which a pattern's planes are laid, m; by default those of the poses.
+
+    Returns
+    -------
+    LaidPlanes
+        Of n pings.
+    """
+    planes, across = (np.broadcast_to(np.asarray(number, np.int64), poses.x.shape) for number in (planes, across))
+    whole = _Laying(poses.x.size)
+    for count, more in sorted(set(zip(planes.tolist(), across.tolist()))):
+        places = np.flatnonzero((planes == count) & (across == more))
+        some, at = take_poses(poses, places), None if laid_at is None else laid_at[places]
+        for among, fan in _lay_alike(arrays, some, count, at):
+            whole.add(fan, places[among])
+        if more > 0 and arrays.half_width > 0.0 and has_bodies(arrays):
+            # One plane stands for a whole beam that meets no target.
+            for among, fan in _lay_alike(arrays, some, count if count > 1 else LEAST_PLANES, at, divided=True):
+                for part in split_pings(arrays, places[among]):
+                    whole.divide(fan, part, arrays, take_poses(poses, part), more, is_whole_beam=count == 1)
+    return whole.laid
+
+
+class _Laying:
+    """Planes of pings that are laid fan by fan."""
+
+    def __init__(self, pings: int) -> None:
+        self.fans = [_no_planes()]
+        self.first, self.last = np.zeros((2, pings), np.int64)
+        self.size = 0
+
+    @property
+    def laid(self) -> LaidPlanes:
+        columns: list[Any] = [np.concatenate(column) for column in zip(*self.fans)]
+        return LaidPlanes(AzimuthFan(*columns), self.first, self.last)
+
+    def add(self, fan: AzimuthFan, places: Integers, first: Any = 0, last: Any = None) -> None:
+        """Give pings the planes of a fan, or each those from one place in it to another."""
+        self.fans.append(fan)
+        self.first[places] = self.size + first
+        self.last[places] = self.size + (fan.azimuth.size if last is None else last)
+        self.size += fan.azimuth.size
+
+    def divide(
+        self, fan: AzimuthFan, places: Integers, arrays: SceneArrays, poses: Poses, across: int, *, is_whole_beam: bool
+    ) -> None:
+        """Give pings that have targets in their beams planes of their own, divided from those of a fan."""
+        sectors = find_target_sectors(arrays, poses, across)
+        parts, counts = divide_at_targets(fan, sectors, heights_of(arrays, poses), across)
+        if is_whole_beam:
+            every = np.full((2, places.size), [[0], [fan.azimuth.size]])
+            met = find_pings_met(arrays, poses, LaidPlanes(fan, *every))
+            self.add(fan, places[met])
+        ends, divided = np.cumsum(counts), counts > 0
+        self.add(parts, places[divided], (ends - counts)[divided], ends[divided])
+
+
+def _no_planes() -> AzimuthFan:
+    return beam_planes(0.0, 1).take(slice(0))
 
 
 def _lay_alike(
-    arrays: SceneArrays, poses: Poses, planes: int, laid_at: float | None, divided: bool = False
+    arrays: SceneArrays, poses: Poses, planes: int, laid_at: Floats | None, divided: bool = False
 ) -> list[tuple[Integers, AzimuthFan]]:
-    """Lay the planes of a scene's beam wherever targets are."""
+    """Lay the planes of a scene's beam wherever targets are: fans with the pings that share them."""
     if planes == 1 and arrays.half_width > 0.0:
         return [(np.arange(poses.x.size), _whole_beam(arrays))]
     if not arrays.pattern.tabulated or arrays.half_width <= 0.0:
@@ -89,6 +137,7 @@ def _lay_alike(
         np.column_stack(
             [
                 _octave_steps(arrays, poses.z),
+                _octave_steps(arrays, poses.z if laid_at is None else laid_at),
                 np.round(poses.pitch / step),
                 np.where(poses.pitch != 0.0, 0.5, 0.0),
             ]
@@ -97,13 +146,13 @@ def _lay_alike(
         return_inverse=True,
     )
     laid = []
-    for number, (height, pitch, spread) in enumerate(kinds):
+    for number, (height, other, pitch, spread) in enumerate(kinds):
         pitches = step * np.unique([pitch - spread, pitch + spread])
         if arrays.multipath.enabled and not arrays.pattern.two_way:
             # A surface path is received if either of its directions is in the beam; the image is pitched the other way.
             pitches = np.unique([*pitches, *-pitches])
-        own = 2.0 ** (height / HEIGHTS_PER_OCTAVE)
-        beam = pattern_planes(arrays, planes, own, pitches, laid_at if spread == 0.0 else None)
+        own, at = (2.0 ** (float(step) / HEIGHTS_PER_OCTAVE) for step in (height, other))
+        beam = pattern_planes(arrays, planes, own, pitches, at if spread == 0.0 else None)
         laid.append((np.flatnonzero(which.ravel() == number), beam))
     return laid
 
@@ -114,25 +163,14 @@ def _octave_steps(arrays: SceneArrays, z: Floats) -> Floats:
 
 
 def lay_planes_of_images(
-    arrays: SceneArrays, poses: Poses, planes: int, across: int = 0
-) -> list[tuple[Integers, AzimuthFan, AzimuthFan]]:
-    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down."""
-    laid = lay_planes(arrays, poses, planes, across=across)
+    arrays: SceneArrays, poses: Poses, planes: ArrayLike, across: ArrayLike = 0
+) -> tuple[LaidPlanes, LaidPlanes]:
+    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down, as `lay_planes`."""
+    laid = lay_planes(arrays, poses, planes, across)
     if not arrays.multipath.enabled:
-        return [(places, beam, beam) for places, beam in laid]
+        return laid, laid
     image = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
-    return [
-        (places[within], beam, of_image)
-        for places, beam in laid
-        if places.size > 0
-        for within, of_image in lay_planes(
-            arrays,
-            take_poses(image, places),
-            planes,
-            2.0 ** float(_octave_steps(arrays, poses.z[places[:1]])[0] / HEIGHTS_PER_OCTAVE),
-            across,
-        )
-    ]
+    return laid, lay_planes(arrays, image, planes, across, poses.z)
 
 
 def _whole_beam(arrays: SceneArrays) -> AzimuthFan:

@@ -89,7 +89,7 @@ class Tracer(PreparedTracer):
     rank : int
         Place among the methods.
     automatic : bool
-        Whether a plan may choose it by itself; the first one by rank that can trace a scene is taken.
+        Whether a plan may choose it; the first one by rank that can trace a scene is taken.
     fineness : tuple of str
         Fields of the `Model` that set how finely it traces, the main one first: ``planes``, ``rays``, ``step``,
         ``misplaced`` (division of the bed's segments), ``every`` (stride of the bed's nodes), or ``fineness``, the

@@ -89,10 +89,7 @@ def find_echo_parts(
         bare = without_targets(arrays)
         beam = arrays, bare, pose, 0, side, rays, window
         return _columns(list_rows(lambda rows: list_refracted_parts(*beam, rows), kernels.COLUMNS))
-    fans = lay_planes_of_images(arrays, pose, planes, across)
-    if not fans:
-        return _columns(np.empty((0, kernels.COLUMNS)))
-    _, fan, image_fan = fans[0]
+    fan, image_fan = (laid.of(0) for laid in lay_planes_of_images(arrays, pose, planes, across))
     direct = find_direct_parts(arrays, pose, side, window, fan)
     if not arrays.multipath.enabled:
         return direct

@@ -36,8 +36,8 @@ def trace_labels(
     arrays: SceneArrays,
     poses: Poses,
     *,
-    planes: int = 16,
-    across: int = 0,
+    planes: int | Integers = 16,
+    across: int | Integers = 0,
     rays: int = 4000,
     crosstalk: float = 0.0,
     volumes: Singles | None = None,
@@ -53,6 +53,7 @@ def trace_labels(
     place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
+    planes, across = (np.broadcast_to(np.asarray(number, np.int64), poses.x.shape) for number in (planes, across))
     labels, described = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), describe_contributors(arrays)
     energy, traced = new_record(arrays, poses), new_record(arrays, poses) if echoes is None else echoes
     apparent, folded = make_apparent_tables(arrays, poses)
@@ -67,8 +68,8 @@ def trace_labels(
 
     def trace_some(places: Integers) -> Singles:
         own = None if squares is None else empty_squares(places.size)
-        settings: dict[str, Any] = {"planes": planes, "across": across, "rays": rays, "threads": threads}
-        found = trace(arrays, take_poses(poses, places), squares=own, **settings)
+        settings: dict[str, Any] = {"rays": rays, "threads": threads, "squares": own}
+        found = trace(arrays, take_poses(poses, places), planes=planes[places], across=across[places], **settings)
         if squares is not None:
             squares[places] = own
         return found
@@ -85,21 +86,20 @@ def trace_labels(
         energy[by_rays] *= FIXED_POINT  # rays count in plain units
         if echoes is not None:
             echoes[by_rays] = trace_some(by_rays)
-    for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes, across):
-        places = clear[among]
-        if targets_alone:
-            met = find_pings_met(arrays, take_poses(poses, places), beams[0])
-            others, places = places[~met], places[met]
-            if others.size > 0:
-                traced[others] = trace_some(others)
-                _label_bed(labels, energy, others, traced[others])
+    laid, image_laid = lay_planes_of_images(arrays, take_poses(poses, clear), planes[clear], across[clear])
+    if targets_alone:
+        met = find_pings_met(arrays, take_poses(poses, clear), laid)
+        others, clear, laid, image_laid = clear[~met], clear[met], laid.of_pings(met), image_laid.of_pings(met)
+        if others.size > 0:
+            traced[others] = trace_some(others)
+            _label_bed(labels, energy, others, traced[others])
 
-        def sweep(part: Poses, first: int, last: int, beams: Any = beams, places: Integers = places) -> None:
-            out = LabelledPings(labels, energy, traced, missed, places[first:last])
-            label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, out)
+    def sweep(part: Poses, first: int, last: int) -> None:
+        out = LabelledPings(labels, energy, traced, missed, clear[first:last])
+        beams = (own.of_pings(slice(first, last)) for own in (laid, image_laid))
+        label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, out)
 
-        if places.size > 0:
-            share_blocks(take_poses(poses, places), sweep, threads, pings_a_thread(beams[0]))
+    share_blocks(take_poses(poses, clear), sweep, threads, pings_a_thread(laid))
     turn_into_degrees(labels.incidence)
     return _label_beside(labels, energy, arrays.range_factor, crosstalk, volumes)
 

@@ -28,7 +28,7 @@ class March(Rays):
         return super().work_of_ray(arrays, model) + STEP * (arrays.bins * arrays.bin_length) / model.step
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
-        """Trace pings as `trace` does."""
+        """Trace pings by the settings of this method."""
         return trace(arrays, poses, **settings)
 
 

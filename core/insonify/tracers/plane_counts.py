@@ -3,7 +3,6 @@
 Theory: docs/theory/error.md.
 """
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -69,13 +68,13 @@ def _root_of_ratio(squares: Floats) -> Floats:
     return np.where(np.isnan(found), np.inf, found)
 
 
-def more_across(planes: int, first: int, across: int) -> int:
-    """Planes across each target of a ping with more planes than the first number of them: by the root of both."""
-    return across * max(round(math.sqrt(planes / first)), 1)
+def more_across(planes: Integers, first: int, across: int) -> Integers:
+    """Planes across each target of pings with more planes than the first number of them: by the root of both."""
+    return across * np.maximum(np.rint(np.sqrt(planes / first)), 1.0).astype(np.int64)
 
 
 def trace_until(
-    goal: Goal | None, first: int, pings: int, trace_some: Callable[[Integers, int], Columns]
+    goal: Goal | None, first: int, pings: int, trace_some: Callable[[Integers, Integers], Columns]
 ) -> tuple[Columns, Integers]:
     """Trace pings, and those of too great an error by more planes; return what is traced and the planes of each.
 
@@ -88,9 +87,10 @@ def trace_until(
     pings : int
         Number of pings.
     trace_some : callable
-        Traces the pings at some places by a number of planes; returns arrays of them, the squares of errors last.
+        Traces the pings at some places, each by a number of planes; returns arrays of them, the squares of errors last.
     """
-    planes, columns = np.full(pings, first, np.int64), trace_some(np.arange(pings), first)
+    planes = np.full(pings, first, np.int64)
+    columns = trace_some(np.arange(pings), planes)
     while goal is not None and pings > 0:
         errors = goal.trust * errors_of_sides(columns[-1].sum(axis=1))
         over = np.flatnonzero((errors > goal.tolerance) & (planes < MOST_PLANES))
@@ -98,23 +98,7 @@ def trace_until(
             break
         growth = np.clip(errors[over] / goal.tolerance, 1.0, MOST_GROWTH)
         least = np.minimum(np.maximum(growth * planes[over], planes[over] + 1), MOST_PLANES)
-        wanted = np.asarray(COUNTS)[np.searchsorted(COUNTS, least)]
-        for count in np.unique(wanted):
-            some = over[wanted == count]
-            planes[some] = count
-            for column, part in zip(columns, trace_some(some, int(count))):
-                column[some] = part
+        planes[over] = np.asarray(COUNTS)[np.searchsorted(COUNTS, least)]
+        for column, part in zip(columns, trace_some(over, planes[over])):
+            column[over] = part
     return columns, planes
-
-
-def trace_by_count(planes: Integers, trace_some: Callable[[Integers, int], AnyArray]) -> AnyArray:
-    """Trace pings by given numbers of planes, those of one number together."""
-    counts = np.unique(planes)
-    if counts.size <= 1:
-        return trace_some(np.arange(planes.size), int(planes[0]) if planes.size else 1)
-    groups = [np.flatnonzero(planes == count) for count in counts]
-    parts = [trace_some(some, int(count)) for some, count in zip(groups, counts)]
-    whole = np.empty((planes.size, *parts[0].shape[1:]), parts[0].dtype)
-    for some, part in zip(groups, parts):
-        whole[some] = part
-    return whole

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_hits, find_first_hits
+from insonify.kernels.rays.cell_walk import NO_HIT, RayBundle, empty_hits, find_first_hits
 from insonify.kernels.rays.pings import trace_refracted_pings, trace_straight_pings
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import follow_specular_paths
@@ -46,7 +46,7 @@ class Rays(Tracer):
         return REFRACTED_RAY if model.bent else RAY
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
-        """Trace pings as `trace` does."""
+        """Trace pings by the settings of this method."""
         return trace(arrays, poses, **settings)
 
 
@@ -113,7 +113,7 @@ def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
 
 def _targets(arrays: SceneArrays) -> Integers:
     """Index of the target of every body; the last element stands for the bed, the one before it for nothing."""
-    return np.concatenate([arrays.solids.target, arrays.mesh.target, [NOTHING, BED]])
+    return np.concatenate([arrays.solids.target, arrays.mesh.target, [NO_HIT, BED]])
 
 
 def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> Singles:

@@ -72,9 +72,10 @@ class ScattererTracer(PreparedTracer):
         further = _narrowed(arrays._replace(bins=bins, range_factor=factor), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = self._empty_waves(arrays, poses)
-        for places, laid in lay_planes(further, poses, max(planes, 2), across=across):
-            order = np.argsort(laid.azimuth)
-            some, beam = take_poses(poses, places), laid.take(order)
+        laid = lay_planes(further, poses, max(planes, 2), across)
+        for first in np.unique(laid.first):  # pings that share their planes
+            places = np.flatnonzero(laid.first == first)
+            some, beam = take_poses(poses, places), laid.of(places[0])
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = self._empty_waves(arrays, some)
 

@@ -15,11 +15,11 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
 from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.kernels.sweep.plane_errors import empty_plane_sums
-from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
+from insonify.kernels.sweep.sweep import LaidPlanes, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
-from insonify.parallel import PerThread, in_parallel
+from insonify.parallel import PerThread
 from insonify.scene import Scene
 from insonify.tow.poses import take_poses
 from insonify.tracers import ray_sheets
@@ -92,7 +92,7 @@ class Sweep(Tracer):
         return 2.0 * planes * profile * (1.0 + path * len(model.ways - {SURFACE_ECHO}))
 
     def trace(self, arrays: SceneArrays, poses: Poses, **settings: Any) -> Singles:
-        """Trace pings as `trace` does."""
+        """Trace pings by the settings of this method."""
         return trace(arrays, poses, **settings)
 
 
@@ -116,11 +116,11 @@ def trace_measured(
 ) -> TracedPings:
     """Trace pings by the sweep, each by as many planes as its error requires; find the error of bins if wanted."""
 
-    def trace_some(places: Integers, count: int) -> Columns:
-        squares, more = empty_squares(places.size), more_across(count, planes, across)
+    def trace_some(places: Integers, counts: Integers) -> Columns:
+        squares, more = empty_squares(places.size), more_across(counts, planes, across)
         some, bins = take_poses(poses, places), empty_bin_errors(places.size, arrays.bins if of_bins else 0)
         measured: dict[str, Any] = {"squares": squares, "bin_errors": bins}
-        return trace(arrays, some, planes=count, across=more, **measured, **settings), bins, squares
+        return trace(arrays, some, planes=counts, across=more, **measured, **settings), bins, squares
 
     (echoes, bins, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
     return TracedPings(echoes, squares, counts, bins)
@@ -130,17 +130,18 @@ def trace(
     arrays: SceneArrays,
     poses: Poses,
     *,
-    planes: int = 16,
-    across: int = 0,
+    planes: int | Integers = 16,
+    across: int | Integers = 0,
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
     squares: Floats | None = None,
     bin_errors: Singles | None = None,
 ) -> Singles:
-    """Trace pings by the sweep; ``squares`` takes those of the errors of planes, where they are measured.
+    """Trace pings by the sweep, all by the same number of planes or each by its own.
 
-    ``bin_errors`` takes the errors of bins by planes, as intensities.
+    ``squares`` takes those of the errors of planes, where they are measured, ``bin_errors`` the errors of bins by
+    planes, as intensities.
     """
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
@@ -148,8 +149,15 @@ def trace(
     if folded.any():
         out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
-    fans = lay_planes_of_images(arrays, take_poses(poses, clear), planes, across)
-
+    some, whole = take_poses(poses, clear), clear.size == poses.x.size
+    counts = (np.broadcast_to(np.asarray(number, np.int64), poses.x.shape)[clear] for number in (planes, across))
+    laid, image_laid = lay_planes_of_images(arrays, some, *counts)
+    width = 0 if bin_errors is None else bin_errors.shape[-1]
+    found = (
+        out if whole else new_record(arrays, some),
+        empty_squares(0 if squares is None else clear.size),
+        empty_bin_errors(clear.size, width),
+    )
     dtype = np.float64 if double else np.float32
     rooms = PerThread(
         lambda: (
@@ -158,42 +166,22 @@ def trace(
             empty_plane_sums(arrays.bins),
         )
     )
-    nothing = empty_squares(0)
-    width = 0 if bin_errors is None else bin_errors.shape[-1]
 
-    def block(first: int, last: int) -> None:
-        # Pings that share their planes, those of the sonar and those of its image in the sea surface.
-        for among, beam, image_beam in fans[first:last]:
-            places = clear[among]
-            some = take_poses(poses, places)
-            traced = out if places.size == poses.x.size else new_record(arrays, some)
-            missed = nothing if squares is None else empty_squares(places.size)
-            missed_by_bin = empty_bin_errors(places.size, width)
+    def sweep(part: Poses, first: int, last: int) -> None:
+        (room, images, sums), own = rooms.own, laid.of_pings(slice(first, last))
+        to = tuple(array[first:last] for array in found)
+        sweep_pings(arrays, part, own, apparent, room, sums, *to)
+        if images is not None:
+            table, of_images = empty_contributor_table(0, 0, 1, 0), image_laid.of_pings(slice(first, last))
+            sweep_multipath(arrays, part, own, of_images, images, table, sums, *to)
 
-            def sweep(
-                part: Poses,
-                low: int,
-                high: int,
-                beams: Any = (beam, image_beam),
-                to: tuple[Singles, Floats, Singles] = (traced, missed, missed_by_bin),
-            ) -> None:
-                room, images, sums = rooms.own
-                found = tuple(array[low:high] for array in to)
-                sweep_pings(arrays, part, beams[0], apparent, room, sums, *found)
-                if images is not None:
-                    table = empty_contributor_table(0, 0, 1, 0)
-                    sweep_multipath(arrays, part, *beams, images, table, sums, *found)
-
-            share_blocks(some, sweep, threads, pings_a_thread(beam))
-            if traced is not out:
-                out[places] = traced
-            if squares is not None:
-                squares[places] = missed
-            if bin_errors is not None:
-                bin_errors[places] = missed_by_bin
-
-    # Pings that meet targets have planes of their own, and are shared among threads one by one.
-    in_parallel(block, len(fans), threads, least=1)
+    share_blocks(some, sweep, threads, pings_a_thread(laid))
+    if not whole:
+        out[clear] = found[0]
+    if squares is not None:
+        squares[clear] = found[1]
+    if bin_errors is not None:
+        bin_errors[clear] = found[2]
     return out
 
 
@@ -205,7 +193,8 @@ def _trace_folded(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
     return ray_sheets.trace(arrays, poses, sheets=sheets, rays=max(rays // sheets, sheets), threads=threads)
 
 
-def pings_a_thread(beam: AzimuthFan) -> int:
+def pings_a_thread(laid: LaidPlanes) -> int:
     """Return the number of pings worth handing to a thread."""
     # A squinting beam over a bed out of reach has no planes.
-    return max(PLANES_A_THREAD // max(beam.azimuth.size, 1), 1)
+    planes = int((laid.last - laid.first).max(initial=1))
+    return max(PLANES_A_THREAD // planes, 1)

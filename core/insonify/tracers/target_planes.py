@@ -5,17 +5,19 @@ apart may all miss it, whatever their number. Derived in docs/theory/beam.md.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from insonify.array_cache import remember_latest
 from insonify.arrays import Booleans, Floats, Integers
-from insonify.kernels.beam.divided_sectors import LEAST, divide_sectors, find_pings_to_divide
+from insonify.kernels.beam.divided_sectors import LEAST, divide_sectors
+from insonify.kernels.beam.divided_sectors import find_pings_met as find_met
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
-from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
+from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan, LaidPlanes
 from insonify.scene import Scene
 from insonify.tow.line import tow_line_at
+from insonify.tow.poses import take_poses
 
 # Planes across a glint of the standard deviation 1/(2√n) of incidence: with as many planes across a target, the
 # deviations of two are one plane's spacing, and a sum over the planes errs by 2 exp(-π²/2) = 1.4 %.
@@ -27,7 +29,6 @@ COUNTED = 64  # pings over the track on which planes are counted
 MOST_AT_ONCE = 1 << 18  # pairs of pings and bodies of which the sectors are found at once
 CORNERS = 4  # of a solid from above
 LEANING = 0.5  # sine of the angle with the level below which a body counts as lying
-TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 
 
 class TargetSectors(NamedTuple):
@@ -56,6 +57,11 @@ def has_bodies(arrays: SceneArrays) -> bool:
     return arrays.solids.shape.size + arrays.mesh.target.size > 0
 
 
+def heights_of(arrays: SceneArrays, poses: Poses) -> Floats:
+    """Heights of the sonar above the lowest bed, as reaches of planes count them, m."""
+    return np.asarray(np.maximum(poses.z - arrays.bed.low, LOWEST))
+
+
 def split_pings(arrays: SceneArrays, places: Integers) -> list[Integers]:
     """Split pings into parts of which the sectors of all targets fit in little memory."""
     bodies = 2 * (arrays.solids.shape.size + np.unique(arrays.mesh.target).size)
@@ -72,7 +78,7 @@ def _find_sectors(outlines: _Outlines, arrays: SceneArrays, poses: Poses, across
     dx, dy = outlines.x - poses.x[:, None], outlines.y - poses.y[:, None]
     cosine, sine = np.cos(poses.heading)[:, None], np.sin(poses.heading)[:, None]
     ahead, port = dx * cosine + dy * sine, dy * cosine - dx * sine
-    height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
+    height = heights_of(arrays, poses)[:, None]
     sides = (_find_one_side(outlines, ahead, abeam, height, across, arrays) for abeam in (port, -port))
     return TargetSectors(*(np.concatenate(columns, axis=1) for columns in zip(*sides)))
 
@@ -105,16 +111,16 @@ def _find_one_side(
     return TargetSectors(low, high, np.where(is_other_side, math.inf, step), nearest, corners)
 
 
-def find_pings_met(arrays: SceneArrays, poses: Poses, fan: AzimuthFan) -> Booleans:
+def find_pings_met(arrays: SceneArrays, poses: Poses, laid: LaidPlanes) -> Booleans:
     """Whether a plane of each ping may cut a target."""
-    met = np.zeros(poses.x.size, np.bool_)
     if not has_bodies(arrays):
-        return met
-    low, high, step, nearest, _ = _find_sectors(_covers_of(arrays.solids, arrays.mesh), arrays, poses, 1)
-    height = np.maximum(poses.z - arrays.bed.low, LOWEST)[:, None]
-    for azimuth, reach in zip(fan.azimuth, fan.reach):
-        within = (low - TURNED <= azimuth) & (azimuth <= high + TURNED) & (step < math.inf)
-        met |= (within & (nearest <= reach * height)).any(axis=1)
+        return np.zeros(poses.x.size, np.bool_)
+    covers, planes = _covers_of(arrays.solids, arrays.mesh), np.column_stack([laid.fan.azimuth, laid.fan.reach])
+    met = np.zeros(poses.x.size, np.bool_)
+    for part in split_pings(arrays, np.arange(poses.x.size)):
+        some = take_poses(poses, part)
+        bodies = np.stack(_find_sectors(covers, arrays, some, 1)[:4], axis=2)
+        met[part] = find_met(planes, laid.first[part], laid.last[part], bodies, heights_of(arrays, some))
     return met
 
 
@@ -123,7 +129,7 @@ def count_added_planes(scene: Scene, arrays: SceneArrays, across: int, fan: Azim
     sectors, known = _sectors_over_track(scene, arrays, across)
     planes, pings = fan.azimuth.size, sectors.low.shape[0]
     if planes not in known:
-        divided = find_divided_pings(fan, sectors, np.full(pings, scene.altitude))
+        divided = np.flatnonzero(divide_at_targets(fan, sectors, np.full(pings, scene.altitude), across)[1])
         half, axis = arrays.half_width, math.asin(min(max(arrays.pattern.centre, -1.0), 1.0))
         low, high, step, nearest = (column[divided] for column in sectors[:4])
         within = np.maximum(np.clip(high, axis - half, axis + half) - np.clip(low, axis - half, axis + half), 0.0)
@@ -144,30 +150,24 @@ def _sectors_over_track(
     return find_target_sectors(arrays, Poses(line.x, line.y, level, line.heading, level, level), across), {}
 
 
-def find_divided_pings(fan: AzimuthFan, sectors: TargetSectors, height: Floats) -> Integers:
-    """Pings with planes to divide for a body across them within reach, in order, by height above the lowest bed, m."""
-    bodies = np.stack(sectors[:4], axis=2)
-    return np.flatnonzero(find_pings_to_divide(_as_table(fan), bodies, sectors.corners, height))
+def divide_at_targets(
+    fan: AzimuthFan, sectors: TargetSectors, height: Floats, across: int
+) -> tuple[AzimuthFan, Integers]:
+    """Divide the planes of a fan that are too wide for the targets of each ping, or hold their borders.
 
-
-def _as_table(fan: AzimuthFan) -> Floats:
-    """Sectors of a fan as `divide_sectors` takes them."""
+    Return the planes of all divided pings, ping by ping, and their number for each ping, by height above the lowest
+    bed, m; pings whose planes are not to be divided have none.
+    """
     low, high = _edges(fan)
-    return np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
-
-
-def divide_at_targets(fan: AzimuthFan, sectors: TargetSectors, ping: int, height: Floats, across: int) -> AzimuthFan:
-    """Divide the planes of a fan that are too wide for the targets of one ping, or hold their borders."""
-    planes, bodies = _as_table(fan), np.column_stack([column[ping] for column in sectors[:4]])
-    most = MOST_OF_EACH * across + len(planes)
-    parts = divide_sectors(planes, bodies, sectors.corners[ping], float(height[ping]), most)
+    planes = np.column_stack([low, high, fan.angle, fan.far_angle, fan.near_field, fan.reach, fan.apart])
+    bodies, most = np.stack(sectors[:4], axis=2), MOST_OF_EACH * across + len(planes)
+    parts, counts = divide_sectors(planes, bodies, sectors.corners, height, most)
     low, high, angle, far_angle, near_field, reach, apart = parts.T
     sines = np.sin(low), np.sin(high)
     if (fan.s_low >= 0.0).all():  # of a top-hat, for which both sides of athwart are alike
         sines = np.minimum(*np.abs(sines)), np.maximum(*np.abs(sines))
-    columns: tuple[Floats, ...] = (0.5 * (low + high), *sines, angle, far_angle, near_field, reach)
-    azimuth, s_low, s_high, angle, far_angle, near_field, reach = (np.ascontiguousarray(each) for each in columns)
-    return AzimuthFan(azimuth, s_low, s_high, angle, far_angle, near_field, reach, apart > 0.5)
+    columns: tuple[Any, ...] = (0.5 * (low + high), *sines, angle, far_angle, near_field, reach, apart > 0.5)
+    return AzimuthFan(*map(np.ascontiguousarray, columns)), counts
 
 
 def _edges(fan: AzimuthFan) -> tuple[Floats, Floats]:

@@ -1,7 +1,5 @@
 """Functions that Python calls and those that kernels call: parts of their callers, or separate machine code."""
 
-import os
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numba
@@ -11,8 +9,7 @@ import pytest
 from commands import output_of
 from insonify.compiler.cache import PartLibrary
 from insonify.compiler.dispatch import Kernel
-from insonify.compiler.jit import INTEGER, NOTHING, TWO_INTEGERS, inlined, kernel, kernel_on_demand
-from insonify.compiler.processes import WORKER
+from insonify.compiler.jit import INTEGER, NOTHING, TWO_INTEGERS, inlined, kernel, kernel_separate
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -27,30 +24,30 @@ def lengthen(values, by=1):
     return np.full(values.size + by, half(values.sum()))
 
 
-@kernel_on_demand(TWO_INTEGERS)
+@kernel_separate(TWO_INTEGERS)
 def halve(count, shares):
     return count // 2, int(shares[1])
 
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def add_one(values):
     for i in range(values.size):
         values[i] += 1.0
 
 
-@kernel_on_demand(INTEGER)
+@kernel_separate(INTEGER)
 def refuse(x):
     if x > 8.0:
         raise ValueError("above 8")
     return 1
 
 
-@kernel_on_demand(INTEGER)
+@kernel_separate(INTEGER)
 def break_promise(x):
     return x + 0.5
 
 
-@kernel_on_demand(INTEGER)
+@kernel_separate(INTEGER)
 def never_asked_for(x):
     return x + 1
 
@@ -155,43 +152,23 @@ def test_parts_are_read_from_disk_by_kernels_that_are_compiled_later(tmp_path):
 
 
 SEPARATE = """
-from insonify.compiler.jit import INTEGER, kernel, kernel_on_demand, kernel_separate
+import sys
+from insonify.compiler.jit import INTEGER, kernel, kernel_separate
 
 @kernel_separate(INTEGER)
 def square(x):
     return x * x
 
-@kernel_on_demand(INTEGER)
-def cube(x):
-    return x * x * x
-
 @kernel
-def add_powers(x):
-    return square(x) + cube(x) if x > 0 else 0
-"""
-CALL = """
-import sys
-from insonify.compiler import processes
-from powers import add_powers, cube, square
-processes.WORKER = sys.argv[2]
-processes.helper.start()  # of itself it starts for kernels of this package
-print(add_powers(int(sys.argv[1])), *(sum(called.machine_code.stats.cache_hits.values()) for called in (square, cube)))
+def add_square(x):
+    return square(x) + x if x > 0 else 0
+
+print(add_square(int(sys.argv[1])), sum(square.machine_code.stats.cache_hits.values()))
 """
 
 
-@pytest.mark.parametrize(
-    ("threads", "worker", "calls"),
-    [
-        (1, WORKER, {2: ["12", "0", "0"], 3: ["36", "1", "1"]}),
-        (2, WORKER, {2: ["12", "1", "0"], 0: ["0", "0", "0"]}),
-        (2, "insonify.kernels.no_such_module", {2: ["12", "0", "0"]}),
-    ],
-    ids=["one process", "a second process", "a second process that ends early"],
-)
-def test_separate_machine_code_is_read_from_disk(tmp_path, threads, worker, calls):
-    """By later processes, and where a second process has compiled what is not left to the first call."""
-    (tmp_path / "powers.py").write_text(SEPARATE)
-    path, cache = os.pathsep.join([str(tmp_path), *filter(None, sys.path)]), str(tmp_path / "cache")
-    more = {"NUMBA_CACHE_DIR": cache, "INSONIFY_THREADS": str(threads), "PYTHONPATH": path}
-    for x, expected in calls.items():
-        assert output_of("-c", CALL, str(x), worker, **more) == expected
+def test_separate_machine_code_is_read_from_disk(tmp_path):
+    source = tmp_path / "powers.py"
+    source.write_text(SEPARATE)
+    for x, expected in ((0, ["0", "0"]), (2, ["6", "0"]), (3, ["12", "1"]), (0, ["0", "0"])):
+        assert output_of(str(source), str(x), NUMBA_CACHE_DIR=str(tmp_path / "cache")) == expected

@@ -11,7 +11,7 @@ from commands import output_of
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
 KERNELS = """
-from insonify.compiler.jit import INTEGER, NOTHING, inlined, inlined_ieee, kernel, kernel_on_demand, kernel_separate
+from insonify.compiler.jit import INTEGER, NOTHING, inlined, inlined_ieee, kernel, kernel_separate
 
 @inlined
 def half(x):
@@ -25,7 +25,7 @@ def third(x):
 def square(x):
     return x * x
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def add_one(values):
     for i in range(values.size):
         values[i] += 1.0

@@ -10,8 +10,8 @@ from numba.core.errors import TypingError
 
 from commands import wait_until
 from insonify.compiler import digests, processes
-from insonify.compiler.jit import inlined, kernel, kernel_on_demand
-from insonify.compiler.processes import CompilationStoppedError, _Helper, compiled_elsewhere
+from insonify.compiler.jit import inlined, kernel, kernel_separate
+from insonify.compiler.processes import CompilationStoppedError, compiled_elsewhere
 from insonify.compiler.progress import watch_compilation
 from insonify.kernels.display.rows import relate_amplitudes
 
@@ -32,7 +32,7 @@ def halve(value):
     return 0.5 * value
 
 
-@kernel_on_demand(types.none)
+@kernel_separate(types.none)
 def negate(values):
     for k in range(values.size):
         values[k] = -values[k]
@@ -58,9 +58,8 @@ def here(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))  # of the other process
     monkeypatch.setattr(digests, "FOLDER", tmp_path / "cache" / "insonify" / "kernels")
     for one in (halve, sum_squares, negate, negate_all, relate_amplitudes):
-        for made in ("entry", "part", "machine_code", "_names"):
+        for made in ("entry", "part", "machine_code"):
             monkeypatch.delitem(vars(one), made, raising=False)
-    monkeypatch.setitem(vars(negate), "_names", {})
     with event.install_recorder("numba:compile") as recorder:
         yield lambda: [one.data["dispatcher"].py_func.__name__ for _, one in recorder.buffer if one.is_start]
     assert processes.elsewhere.process is None
@@ -131,21 +130,3 @@ def test_a_thread_that_waits_is_told_when_the_block_ends(here, tmp_path, monkeyp
             wait_until(lambda: (process := processes.elsewhere.process) is not None and process.pending)
         assert type(call.exception(60.0)) is CompilationStoppedError
     assert here() == []
-
-
-def test_one_core_is_left_to_one_process_and_a_second_that_compiles_for_nobody_is_stopped(monkeypatch):
-    helper = _Helper()
-    monkeypatch.setattr(processes, "default_threads", lambda: 1)
-    helper.start()
-    assert helper.process is None
-    monkeypatch.setattr(processes, "default_threads", lambda: 2)
-    helper.start()
-    process = helper.process
-    assert process is not None
-    process.request(b"a kernel that takes long")
-    helper.finish()
-    with compiled_elsewhere():
-        pass
-    assert process.ended
-    assert not process._reader.is_alive()
-    assert not process.wait(b"a kernel that takes long")  # it is compiled here

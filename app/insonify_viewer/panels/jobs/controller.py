@@ -8,6 +8,7 @@ from insonify.scene import Scene, plain
 from insonify_viewer.errors import Failure
 from insonify_viewer.panels.jobs.view.jobs_view import JobsView
 from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.record.comparison.recording import Recording
 from insonify_viewer.state.sections import sections_of
 from insonify_viewer.work.jobs import BackgroundJob
 
@@ -40,7 +41,14 @@ class JobsPanel(Panel):
             view.forget_wanted.connect(self._forget)
             view.details_wanted.connect(lambda job: workbench.copy_details(Failure(job.sentence, job.trace)))
             view.show_jobs(self._jobs.jobs)
+            workbench.recordings.opened.connect(self._offer)
+            self._offer(workbench.recordings.recording)
         return self.view
+
+    def _offer(self, recording: Recording | None) -> None:
+        """Offer the recording that is open to a mosaic."""
+        if self.view is not None:
+            self.view.recording = "" if recording is None else str(recording.path.resolve())
 
     def write_record(self, path: Path) -> None:
         """Write every ping of the present scene, as it is modelled here, as data or as a picture."""

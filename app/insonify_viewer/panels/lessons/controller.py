@@ -6,9 +6,8 @@ from functools import partial
 from typing import Any
 
 from insonify.files import bundled_scenes
-from insonify.io.atomic import write_text
 from insonify.lessons.lesson import Lesson, load_lessons
-from insonify.lessons.quantities import SIDES
+from insonify.lessons.quantities import CHANNEL_SIDES
 from insonify.lessons.states import AUTOMATIC, LessonState, split_move, subject_of
 from insonify.scene import Scene
 from insonify_viewer.panels.lessons.progress import Progress
@@ -20,7 +19,7 @@ from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.save_dialogs import ask_where_to_save
 
-FRAME = {"side": "both", "scale": "fit"}  # of the record, where a lesson asks for nothing else
+FRAME = {"side": "both", "scale": "fill"}  # of the record, where a lesson asks for nothing else
 
 
 class LessonsPanel(Panel):
@@ -71,6 +70,7 @@ class LessonsPanel(Panel):
         if scene.title != self.progress.start.scene.title:
             self.leave()
         else:
+            self._session.count_as_saved("lesson", scene)  # what a lesson changes is nobody's work
             self._notice()
 
     def record_grown(self, growth: RecordGrowth) -> None:
@@ -89,7 +89,9 @@ class LessonsPanel(Panel):
     def entries(self) -> list[Entry]:
         """List the lessons for the command palette."""
         return [
-            Entry("Lesson", each.title, each.introduction, partial(self._begin_in_panel, each))
+            Entry(
+                "Lesson", each.title, "; ".join(step.title for step in each.steps), partial(self._begin_in_panel, each)
+            )
             for each in load_lessons()
         ]
 
@@ -166,16 +168,16 @@ class LessonsPanel(Panel):
         self.view.setCurrentWidget(self.view.summary)
 
     def save(self) -> None:
-        """Write the page to hand in, with pictures of the record beside it."""
+        """Write the page to hand in, with pictures of the record."""
         if self._shown is None:
             return
         worksheet = self._shown.worksheet
-        suggestion = f"{worksheet.lesson.name}.md"
-        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, [("Markdown", ".md")])
+        suggestion, formats = f"{worksheet.lesson.name}.pdf", [("PDF", ".pdf"), ("Markdown", ".md")]
+        path = ask_where_to_save(self.view.window(), "Save the page to hand in", suggestion, formats)
         if path is None:
             return
         try:
-            write_text(path, worksheet.to_markdown(self.view.save_pictures(worksheet.lesson.name, path)))
+            self.view.save_page(worksheet, path)
         except OSError as error:
             self._workbench.complain(error)
         else:
@@ -229,7 +231,7 @@ class LessonsPanel(Panel):
         sonar = self._session.scene.sonar
         ping = int(point.get("point.ping", self._newest))
         place = int(point["point.slant_range"] / sonar.range * sonar.bins)
-        return Mark(ping, SIDES.index(point.get("point.side", SIDES[0])), place)
+        return Mark(ping, CHANNEL_SIDES.index(point.get("point.side", CHANNEL_SIDES[0])), place)
 
     @property
     def _state(self) -> LessonState:

@@ -7,6 +7,7 @@ from insonify.errors import SceneError
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.questions import Verdict, judge
 from insonify.lessons.states import LessonState, states_of
+from insonify.lessons.wording import fill_in
 from insonify.lessons.worksheet import Answer, Worksheet
 
 
@@ -23,11 +24,12 @@ class Progress:
     """A lesson under way."""
 
     def __init__(self, lesson: Lesson) -> None:
-        self.lesson, self.index = lesson, 0
-        self._states = tuple(states_of(lesson))
+        began = datetime.now()
+        self.lesson, self.index = fill_in(lesson, began.isoformat()), 0
+        self._states = tuple(states_of(self.lesson))
         self._done: set[int] = set()
         self._given: dict[int, Given] = {}
-        self.worksheet = Worksheet(lesson, datetime.now())
+        self.worksheet = Worksheet(self.lesson, began)
 
     @property
     def step(self) -> Step:

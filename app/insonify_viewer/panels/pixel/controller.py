@@ -42,7 +42,9 @@ class PixelPanel(Panel):
         self._asked: tuple[Simulation, Mark] | None = None
         self._record: Record | None = None
         self._newest = 0
+        self._recorded: Mark | None = None  # the pixel of a recording that is shown
         self.view = PixelView()
+        self.view.same_place.clicked.connect(self._pin_same_place)
         workbench.inspection.pinned.connect(self._pin)
         workbench.inspection.picked.connect(self._pick)
         workbench.recordings.clicked.connect(self._show_recorded)
@@ -96,7 +98,17 @@ class PixelPanel(Panel):
         if recording is not None:
             self._workbench.inspection.pin(None)
             self._workbench.open_panel(self.name)
+            self._recorded = mark
             self.view.show_recorded(*explain_point(recording, mark))
+
+    def _pin_same_place(self) -> None:
+        """Pin the pixel of the simulated record that lies where the one of the recording does."""
+        live, beside = self._workbench.record_views
+        found = self._recorded and self._workbench.comparison.links.find_place(beside, live, self._recorded)
+        if found:
+            self._workbench.inspection.pin(found)
+        else:
+            self._workbench.say("the simulated record does not reach there; scroll or zoom it, or set its range")
 
     def _leave_recorded(self, _: object) -> None:
         """Leave a pixel of a recording that is no longer shown."""

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify.arrays import Floats
 from insonify.io.contacts import SIDES
@@ -16,7 +16,7 @@ from insonify_viewer.core_types import CrossSection, PixelExplanation
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets import theme
-from insonify_viewer.widgets.buttons import make_label
+from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.layouts import fill, make_splitter
 from insonify_viewer.widgets.painting import PaintedOnce, round_steps
 from insonify_viewer.widgets.text import ThemedText
@@ -50,7 +50,10 @@ class PixelView(QWidget):
         self.sentence, self.summary = make_label("choice", HINT), make_label("name")
         self.budget, self.section = BudgetList(), SectionView()
         splitter = make_splitter(Qt.Orientation.Horizontal, self.budget, self.section, sizes=(430, 570))
-        parts = self.sentence, self.summary, splitter
+        tip = "Explain the pixel of the simulated record beside that has the same place, and show why it is as it is"
+        self.same_place = push_button("The same place in the simulated record", tip)
+        self.same_place.hide()
+        parts = self.sentence, self.summary, fill(QHBoxLayout(), self.same_place, None), splitter
         fill(QVBoxLayout(self), *parts, growing=splitter, margins=(6, 4, 6, 4), spacing=3)
 
     def show_nothing(self) -> None:
@@ -74,11 +77,13 @@ class PixelView(QWidget):
         """Show what is known of a pixel of a recording, which has neither budget nor section."""
         self.show_nothing()
         self._say(sentence, summary)
+        self.same_place.show()
 
     def _say(self, sentence: str, summary: str = "") -> None:
         self.sentence.setText(sentence)
         self.summary.setText(summary)
         self.summary.setVisible(bool(summary))
+        self.same_place.hide()
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify.files import resources
+from insonify.parallel import count_threads
 from insonify_viewer.core_types import Plan, PlanEntry
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.history import Modelling
@@ -43,7 +44,7 @@ class PlanView(SidePanel):
         buttons = fill(QHBoxLayout(), self.automatic, self.chart)
         self.groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
         fill(self.column, self._totals, self._change, buttons, *self.groups.values(), None)
-        self._predicted = ""
+        self._predicted = self._on = ""
         self._lit: set[str] = set()
         self.show_change("", "")
 
@@ -51,7 +52,10 @@ class PlanView(SidePanel):
         """Show a plan, with its tolerance and forced choices."""
         self._drag_tolerance("", 100.0 * modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
-        self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
+        threads = count_threads()
+        on = "one thread" if threads == 1 else f"{threads} threads"
+        cost = format_duration(plan.cost / threads)
+        self._predicted, self._on = f"predicted: error {_share(plan.error)}, {cost} a ping on {on}", on
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
         for modelled, group in self.groups.items():
@@ -87,7 +91,7 @@ class PlanView(SidePanel):
 
     def show_measured(self, seconds: float) -> None:
         """Show the measured time of a ping below the predicted one."""
-        self._totals.setText(f"{self._predicted}\nmeasured: {format_duration(seconds)} a ping on all threads")
+        self._totals.setText(f"{self._predicted}\nmeasured: {format_duration(seconds)} a ping on {self._on}")
 
     def show_change(self, subject: str, words: str) -> None:
         """Show the effect of the last change; beside its line if one subject changed."""

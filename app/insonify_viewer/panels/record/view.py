@@ -55,7 +55,7 @@ TICKS = (  # option, label, key, what it does
 )
 CHOICES = (
     ("side", "sides", SIDES, "Sides that are shown (keys 1, 2 and 3)"),
-    ("scale", "scale", SCALES, "true: equal scale along and across the track; fill: the whole width of the view (T)"),
+    ("scale", "scale", SCALES, "fill: all of the record; true: a part, a metre as long along as across the track (T)"),
     ("palette", "palette", PALETTES, "Colours of the record"),
 )
 GAINS = (  # option, place in it, label, what it does
@@ -187,8 +187,8 @@ class RecordView(SidePanel):
             self._key(label, key, lambda name=name: self.changed.emit({name: not getattr(self._look, name)}))
         for key, side in KEYS:
             self._key(f"Show {side}", key, lambda side=side: self.changed.emit({"side": side}))
-        other = {"true": "fit"}
-        self._key("True scale", "T", lambda: self.changed.emit({"scale": other.get(self._look.scale, "true")}))
+        other = dict(zip(SCALES, reversed(SCALES)))
+        self._key("True scale", "T", lambda: self.changed.emit({"scale": other[self._look.scale]}))
         self._key("Zoom in", "+", lambda: self.zoomed.emit(1.5))
         self._key("Zoom out", "-", lambda: self.zoomed.emit(1.0 / 1.5))
         self._key("Whole record", "0", lambda: self.zoomed.emit(0.0))

@@ -9,7 +9,7 @@ import numpy as np
 from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.types import BED, SPHERE, Bed, Poses, SceneArrays, Solids
 from insonify.kernels.rays.cast import add_echoes, aim_straight, arrive_straight, echo_rays, unaimed
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle, empty_bundle, empty_hits
+from insonify.kernels.rays.cell_walk import NO_HIT, Hits, RayBundle, empty_bundle, empty_hits
 from insonify.kernels.rays.launch import orient_beam, rotate_to_world
 from insonify.scene import SceneError
 
@@ -66,7 +66,7 @@ class TriangulatedScene:
         met = (found["primID"] >= 0) & (found["tfar"] < self._arrays.bins * self._arrays.bin_length)
         triangle = np.where(met, found["primID"], 0)
         hits.distance[:] = np.where(met, found["tfar"], math.inf)
-        hits.body[:] = np.where(met, self._body[triangle], NOTHING)
+        hits.body[:] = np.where(met, self._body[triangle], NO_HIT)
         hits.material[:] = self._material[triangle]
         normal = found["Ng"].astype(np.float64)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)

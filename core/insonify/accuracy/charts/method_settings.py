@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses, take_poses
 from insonify.tracers import march, rays, sweep
 
-STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
+MARCH_STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
 RAYS = (250, 1000, 4000, 16000)
 MANY_RAYS = (64000, 256000)  # in addition where rays are straight; along arcs they take too long
 PLANES = (1, 2, 4, 8, 16, 32, 64)
@@ -68,7 +68,7 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
     if arrays.bounces:
         return ray_settings("rays", arrays, RAYS)
     counts = RAYS if arrays.water.bent else RAYS + MANY_RAYS
-    out = march_settings(arrays, STEPS) + ray_settings("rays", arrays, counts)
+    out = march_settings(arrays, MARCH_STEPS) + ray_settings("rays", arrays, counts)
     if not explain_omission(arrays, poses):
         scene = TriangulatedScene(arrays, poses)
         out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(scene.trace, rays=count)) for count in RAYS]
@@ -91,16 +91,10 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
 
 
 def plan_setting(scene: Scene) -> MethodSetting:
-    """Return what the plan chooses for a scene at the usual tolerance, on one thread."""
-    simulation = prepare(scene)
-
-    def trace(poses: Poses) -> Singles:
-        settings = {**simulation.plan.settings, "threads": 1}
-        return simulation.tiles.map(
-            lambda tile, some: simulation.tracer.trace(tile, some, **settings), simulation.reduced, poses
-        )
-
+    """Return the record as it is made at the usual tolerance, on one thread: each ping by the planes that it needs."""
+    simulation = prepare(scene, threads=1)
     planes = simulation.plan.planes
+    trace = cast("Callable[[Poses], Singles]", simulation.trace)
     return MethodSetting(PLAN, f"{planes} plane{'s' * (planes > 1)}", planes, trace)
 
 

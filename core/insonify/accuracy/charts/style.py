@@ -34,7 +34,7 @@ PLACES = (
 OUTLINE = [withStroke(linewidth=2.2, foreground="white")]
 WIDE, HIGH = 3.9, 3.2  # inches of a panel
 ABOVE, BELOW, LEFT = 1.15, 0.95, 0.85
-ROOM = 0.75  # inches between panels
+PANEL_ROOM = 0.75  # inches between panels
 Row = TypeVar("Row")
 Key = TypeVar("Key")
 
@@ -152,13 +152,13 @@ def group_by(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[R
 def lay_out_panels(count: int, across: int) -> tuple[Figure, list[Axes]]:
     """Figure with a number of panels, and how many of them stand in a row."""
     rows = math.ceil(count / across)
-    width, height = LEFT + across * WIDE - ROOM + 0.3, ABOVE + rows * (HIGH + ROOM) - ROOM + BELOW
+    width, height = LEFT + across * WIDE - PANEL_ROOM + 0.3, ABOVE + rows * (HIGH + PANEL_ROOM) - PANEL_ROOM + BELOW
     figure = make_figure(width, height)
     panels = []
     for k in range(count):
         row, column = divmod(k, across)
-        left, bottom = LEFT + column * WIDE, height - ABOVE - row * (HIGH + ROOM) - HIGH
-        panels.append(figure.add_axes((left / width, bottom / height, (WIDE - ROOM) / width, HIGH / height)))
+        left, bottom = LEFT + column * WIDE, height - ABOVE - row * (HIGH + PANEL_ROOM) - HIGH
+        panels.append(figure.add_axes((left / width, bottom / height, (WIDE - PANEL_ROOM) / width, HIGH / height)))
     return figure, panels
 
 

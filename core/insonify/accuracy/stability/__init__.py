@@ -3,10 +3,10 @@
 Every `StabilityTheme` at the top level of a module in ``themes`` adds its cases, without being listed.
 """
 
-from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.case import Outcome, StabilityCase, StabilityTheme
 from insonify.plugins import modules_in
 
-__all__ = ["CASES", "Approach", "Outcome", "StabilityCase", "find_themes"]
+__all__ = ["CASES", "Outcome", "StabilityCase", "find_themes"]
 
 
 def find_themes() -> list[StabilityTheme]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from insonify.accuracy.stability.drawing import Picture
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -21,24 +21,31 @@ class Measured(NamedTuple):
 
     failing: float
     right: float
-    picture: Callable[[Figure], object]  # draws both on an empty figure
+    picture: Picture
 
     @classmethod
-    def by(
-        cls, error: Callable[[Any], float], failing: object, right: object, picture: Callable[[Figure], object]
-    ) -> Measured:
+    def by(cls, error: Callable[[Any], Any], failing: object, right: object, picture: Picture) -> Measured:
         """Measure the results of both methods by the same error."""
         return cls(float(error(failing)), float(error(right)), picture)
 
 
-class Quantity(NamedTuple):
-    """Quantity that is measured."""
+@dataclass(frozen=True)
+class StabilityCase:
+    """Failure of a common method beside the method that avoids it, each in one sentence and with its bound."""
 
-    name: str
-    unit: str = ""  # empty for a pure number
+    name: str  # name of the failure
+    trigger: str  # cause of the failure, in one sentence
+    quantity: str  # what is measured
+    unit: str  # empty for a pure number
+    failing: str  # common method
+    exceeded: float  # value above which it has failed
+    right: str  # method of this program
+    kept: float  # greatest value of a method that has not
+    measure: Callable[[], Measured]  # runs both methods
+    scene: str = ""  # name of the bundled scene of the measurement; empty if there is none
 
     def format(self, value: float) -> str:
-        """Format a value with the unit."""
+        """Format a value of the quantity with its unit."""
         if math.isnan(value):
             return "not a number"
         after = f" {self.unit}" if self.unit else ""
@@ -50,26 +57,6 @@ class Quantity(NamedTuple):
         return f"{mantissa} × 10{str(int(exponent)).translate(SUPERSCRIPTS)}{after}"
 
 
-class Approach(NamedTuple):
-    """Method of a case with its bound, which the failing method exceeds and the right one keeps."""
-
-    does: str  # the method in one sentence
-    bound: float
-
-
-@dataclass(frozen=True)
-class StabilityCase:
-    """Failure of a common method beside the method that avoids it."""
-
-    name: str  # name of the failure
-    trigger: str  # cause of the failure, in one sentence
-    quantity: Quantity  # what is measured
-    failing: Approach  # common method, and the method of this program
-    right: Approach
-    measure: Callable[[], Measured]  # runs both methods
-    scene: str = ""  # name of the bundled scene of the measurement; empty if there is none
-
-
 @dataclass(frozen=True)
 class StabilityTheme:
     """Cases about one subject."""
@@ -78,13 +65,11 @@ class StabilityTheme:
     place: int  # place on the page; themes stand in the order of these numbers
     cases: list[StabilityCase] = field(default_factory=list)  # cases in order
 
-    def case(
-        self, name: str, trigger: str, quantity: Quantity, *, failing: Approach, right: Approach, scene: str = ""
-    ) -> Callable[[Callable[[], Measured]], StabilityCase]:
-        """Make a case of a function that measures it, and add it to the theme."""
+    def case(self, *row: Any, scene: str = "") -> Callable[[Callable[[], Measured]], StabilityCase]:
+        """Make a case of the first fields of `StabilityCase` and of a function that measures, and add it."""
 
         def add(measure: Callable[[], Measured]) -> StabilityCase:
-            case = StabilityCase(name, trigger, quantity, failing, right, cache(measure), scene)
+            case = StabilityCase(*(*row, cache(measure), scene))
             self.cases.append(case)
             return case
 
@@ -100,12 +85,12 @@ class Outcome(NamedTuple):
     @property
     def is_shown(self) -> bool:
         """Whether the failing method exceeds its bound or gives no number."""
-        return not self.measured.failing <= self.case.failing.bound
+        return not self.measured.failing <= self.case.exceeded
 
     @property
     def is_held(self) -> bool:
         """Whether the right method keeps its bound."""
-        return self.measured.right <= self.case.right.bound
+        return self.measured.right <= self.case.kept
 
     @property
     def holds(self) -> bool:
@@ -123,3 +108,8 @@ class Outcome(NamedTuple):
 def percent(mask: Any) -> float:
     """Percentage of true values."""
     return float(100.0 * np.mean(mask))
+
+
+def worst(values: Any, exact: Any) -> float:
+    """Greatest deviation from exact values, in per cent."""
+    return float(100.0 * np.abs(np.asarray(values) / exact - 1.0).max())

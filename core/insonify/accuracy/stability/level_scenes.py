@@ -34,11 +34,17 @@ def level_arrays(changes: Mapping[str, Any] | None = None) -> SceneArrays:
     return prepare(make_level_scene(changes)).arrays
 
 
+def first_ping(scene: Scene) -> tuple[SceneArrays, Poses]:
+    """Arrays of a scene and the pose of its first ping."""
+    simulation = prepare(scene)
+    return simulation.arrays, simulation.poses(np.zeros(1, dtype=np.int64))
+
+
 def arrays_over(
-    heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0, changes: Mapping[str, Any] | None = None
+    heights: ArrayLike, spacing: float, changes: Mapping[str, Any] | None = None, **place: float
 ) -> SceneArrays:
     """Arrays of such a scene over a bed of given heights that ends at its outermost nodes."""
-    return level_arrays(changes)._replace(bed=make_bed(make_ground(heights, spacing, x0=x0, y0=y0)))
+    return level_arrays(changes)._replace(bed=make_bed(make_ground(heights, spacing, **place)))
 
 
 def make_ground(heights: ArrayLike, spacing: float, *, x0: float = 0.0, y0: float = 0.0) -> Ground:

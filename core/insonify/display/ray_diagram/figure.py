@@ -29,10 +29,10 @@ CAUSTIC = PINK
 WATER_MAP = LinearSegmentedColormap.from_list("water", [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in WATER])
 LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # shares of the figure
 ROW = 0.034  # share of the figure that a row of the legend takes
-MARGIN = 0.075  # share of the depth, above the surface and below the bed
-FAINTEST = 1e-3  # least share of the water in shadow that the legend names
+DEPTH_MARGIN = 0.075  # share of the depth, above the surface and below the bed
+LEAST_SHADOW = 1e-3  # least share of the water in shadow that the legend names
 LABELS = 0.036  # share of the axes' width and height that a label of a ray needs
-COLUMNS = ("kind", "number", "launch_angle", "range", "depth", "time")
+TABLE_COLUMNS = ("kind", "number", "launch_angle", "range", "depth", "time")
 SUFFIXES = (".png", ".csv")
 
 
@@ -141,7 +141,7 @@ def _eigenrays(axes: Any, diagram: RayDiagram) -> None:
 
 
 def _scales(left: Any, right: Any, diagram: RayDiagram) -> None:
-    margin = MARGIN * diagram.bottom
+    margin = DEPTH_MARGIN * diagram.bottom
     right.set_xlim(0.0, diagram.reach)
     label_axes(right, "range (m)", size=10.5, pad=6)
     right.tick_params(labelleft=False)
@@ -153,7 +153,7 @@ def _scales(left: Any, right: Any, diagram: RayDiagram) -> None:
 def _entries(diagram: RayDiagram) -> list[tuple[Any, str]]:
     """List the marks and names of the legend: everything drawn besides the rays."""
     entries: list[tuple[Any, str]] = []
-    if diagram.shadow.mean() > FAINTEST:
+    if diagram.shadow.mean() > LEAST_SHADOW:
         entries.append((Patch(color=SHADE, alpha=0.52, linewidth=0), "shadow zone: no direct ray"))
     if diagram.dark.size:
         entries.append((Line2D([], [], color=SHADE, linewidth=4.0), "bed out of reach of sound"))
@@ -199,7 +199,7 @@ def write_ray_diagram(path: str | Path, diagram: RayDiagram) -> None:
             return
         with partial.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)
-            table.writerow(COLUMNS)
+            table.writerow(TABLE_COLUMNS)
             for kind, rays in (("ray", diagram.rays), ("eigenray", diagram.eigenrays)):
                 for number, ray in enumerate(rays):
                     for point in zip(ray.range, ray.depth, ray.time):

@@ -19,12 +19,12 @@ from insonify.scene import Scene, SceneError
 
 ACROSS = 480  # columns of the shadow's picture, along the range
 POINTS = 241  # of each ray
-STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
+ANGLE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
 MOST_RAYS = 50
-FARTHEST = 1e6  # m; beyond, the curvature of the Earth matters
+FARTHEST_RANGE = 1e6  # m; beyond, the curvature of the Earth matters
 NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn meets the bed or the surface
 FIRST = 257  # rays, denser towards the horizontal
-MOST = 4000
+MOST_EIGENRAYS = 4000
 SEAM = 2e-3  # share of the range: a shorter gap between two rays, or under the sonar, counts as reached
 ROUNDS = 40  # of refinement between rays that diverge
 CELLS = 720  # of depth
@@ -41,10 +41,10 @@ def trace_ray_diagram(
     depth = bottom - scene.altitude if scene.track.depth is None else scene.track.depth
     if not 0.0 <= depth < bottom:
         raise SceneError(f"track: the sonar at {depth:g} m is not in water {bottom:g} m deep; change its depth")
-    if target is not None and not (0.0 < target[0] <= FARTHEST and 0.0 <= target[1] <= bottom):
+    if target is not None and not (0.0 < target[0] <= FARTHEST_RANGE and 0.0 <= target[1] <= bottom):
         raise SceneError(
             f"target: {target[0]:g} m away and {target[1]:g} m deep is not in the water; give a range above 0, "
-            f"to {FARTHEST:g} m, and a depth from 0 to {bottom:g} m"
+            f"to {FARTHEST_RANGE:g} m, and a depth from 0 to {bottom:g} m"
         )
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
     limits = RayLimits(reach, 0.0, bottom, False, False)
@@ -52,7 +52,7 @@ def trace_ray_diagram(
     fan = _trace_fan(water, bottom - depth, limits, ranges)
     # Round launch angles, 0 included, at most `MOST_RAYS`.
     steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
-    step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
+    step = next((step for step in ANGLE_STEPS if 2.0 * steepest / step <= MOST_RAYS), ANGLE_STEPS[-1])
     count = math.ceil(min(steepest, 85.0) / step)
     angles = np.arange(-count, count + 1, dtype=np.float64) * step
     return RayDiagram(
@@ -133,7 +133,7 @@ def _trace_fan(water: Water, height: float, limits: RayLimits, ranges: Floats) -
         parted = (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
         first, last = _taken(first, parted), _taken(last, parted)
         count += first.angle.size
-        if first.angle.size == 0 or count > MOST:
+        if first.angle.size == 0 or count > MOST_EIGENRAYS:
             break
         middle = _trace(water, height, 0.5 * (first.angle + last.angle), ranges, limits)
         kept.append(middle)

@@ -26,12 +26,12 @@ NODATA = frozenset(
     for value in (9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0, 2.0**31 - 1.0, 2.0**31, 1e6, 1e20)
     for sign in (-1.0, 1.0)
 )
-FAR = 1000.0  # a customary value closer than that to another number of the file may be a height
+APART_FROM_HEIGHTS = 1000.0  # a customary value closer than that to another number of the file may be a height
 FINE = 0.02  # a cell in degrees, 2 km, and finer than one of bathymetry in metres
 LEVELS = "dB"  # unit of a mosaic
 SAMPLE = "sample:"
 # File, array, and whether its first row is the northernmost.
-SAMPLES = {
+SAMPLE_FILES = {
     "jacksboro": ("jacksboro_fault_dem.npz", "elevation", True),
     "topobathy": ("topobathy.npz", "topo", False),
 }
@@ -88,9 +88,9 @@ def _read_sample(path: str) -> Grid:
     from matplotlib import cbook
 
     name = path.removeprefix(SAMPLE)
-    if name not in SAMPLES:
-        raise FileFault("is not a sample known here", f"choose {' or '.join(SAMPLE + name for name in SAMPLES)}")
-    file, key, northern_first = SAMPLES[name]
+    if name not in SAMPLE_FILES:
+        raise FileFault("is not a sample known here", f"choose {' or '.join(SAMPLE + name for name in SAMPLE_FILES)}")
+    file, key, northern_first = SAMPLE_FILES[name]
     with np.load(Path(str(cbook.get_sample_data(file, asfileobj=False)))) as stored:
         heights = check_heights(stored[key])
     return Grid(np.ascontiguousarray(heights[::-1]) if northern_first else heights)
@@ -100,7 +100,7 @@ def check_nodata(heights: NDArray[Any]) -> None:
     """Raise FileFault for an undeclared customary nodata value that stands alone or far from all other heights."""
     for value in {float(heights.min()), float(heights.max())} & NODATA if heights.size else ():
         others = heights[heights != value]
-        if np.abs(others - value).min(initial=np.inf) > FAR:
+        if np.abs(others - value).min(initial=np.inf) > APART_FROM_HEIGHTS:
             raise FileFault(
                 f"has {heights.size - others.size} cells of {value:.15g}, which it does not declare as nodata",
                 f"declare it, for example with gdal_edit.py -a_nodata {value:.15g}, or set those cells to NaN",

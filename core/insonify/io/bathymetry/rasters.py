@@ -20,7 +20,7 @@ from insonify.io.isolation import run_isolated
 OPEN_OPTIONS = {"AAIGrid": {"DATATYPE": "Float64"}}
 DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".h5": "S102", ".asc": "AAIGrid"}
 REMEDY = "give a valid GeoTIFF, BAG, S-102 or ESRI ASCII grid"
-FARTHEST = 1e9  # m, of map coordinates
+FARTHEST_PLACE = 1e9  # m, of map coordinates
 SPACINGS = (1e-4, 1e6)  # m
 ELEVATION = 1  # band that holds the heights
 NAMES = ("long_name", "standard_name", "netcdf_varname")  # tags in which converters keep a variable's names
@@ -28,7 +28,7 @@ NAMES = ("long_name", "standard_name", "netcdf_varname")  # tags in which conver
 SYNONYMS = {"sft": "us-ft", "ftus": "us-ft", "us foot": "us survey foot", "us_survey_foot": "us survey foot"}
 STRETCH = 0.02  # beyond which a grid is projected to a map that is truer to scale
 METRE = 1e-9  # by which the unit of a map may differ from a metre
-ALIKE = 1e-5  # by which two factors of one unit may differ: two kinds of foot do by less
+FACTORS_ALIKE = 1e-5  # by which two factors of one unit may differ: two kinds of foot do by less
 
 
 def read_raster(path: str) -> Grid:
@@ -150,7 +150,7 @@ def _read_metres(raster: Any, source: Any) -> Grid:
     if not all(SPACINGS[0] <= abs(side) <= SPACINGS[1] for side in (transform.a, transform.e)):
         sizes = f"has pixels of {transform.a:g} by {-transform.e:g} m"
         raise FileFault(sizes, f"give a size from {SPACINGS[0]:g} to {SPACINGS[1]:g} m")
-    if not math.hypot(transform.c, transform.f) <= FARTHEST:
+    if not math.hypot(transform.c, transform.f) <= FARTHEST_PLACE:
         raise FileFault(f"lies at {transform.c:g}, {transform.f:g} m", "georeference it again")
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
@@ -217,7 +217,7 @@ def _metres_per_unit(unit: str, vertical: Any) -> float:
             f"has heights in {unit[:40]!r}, a unit that is not known here",
             "name it m, for example with rio edit-info --bidx 1 --units m, and give its metres per unit as scale",
         )
-    if own is not None and abs(own / factor - 1.0) > ALIKE:
+    if own is not None and abs(own / factor - 1.0) > FACTORS_ALIKE:
         raise FileFault(
             f"has heights in {unit[:40]!r} and a reference system of heights in {vertical.unit_name!r}",
             "correct one of them, for example with rio edit-info --bidx 1 --units or rio edit-info --crs",

@@ -19,7 +19,7 @@ MESHES: FormatRegistry[Floats] = FormatRegistry(
 )
 REMEDY = "export it again as OBJ, STL, PLY or glTF"
 MOST_TRIANGLES = 2_000_000  # more must be decimated first
-FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
+FARTHEST_CORNER = 1e15  # units of a file from its origin; squares of squares of it are still numbers
 FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
 
 
@@ -38,8 +38,8 @@ def _read_triangles(path: str) -> tuple[Floats, bool]:
     with MESHES.guarded(path):
         corners = MESHES.read(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")
         check_count(len(corners))
-        if not (np.abs(corners) < FARTHEST).all():
-            raise FileFault(f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
+        if not (np.abs(corners) < FARTHEST_CORNER).all():
+            raise FileFault(f"has corners that are not finite or lie beyond {FARTHEST_CORNER:g}", "export it again")
         whole = has_area(corners)
         if not whole.any():
             raise FileFault("holds no triangles", "check that it is whole and holds surfaces")

@@ -9,9 +9,9 @@ from insonify.arrays import Dataset, Echoes, Floats, Integers, Singles
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
 STEADY = 1.0  # cost, in misclassified bins, of a change of altitude by one bin from ping to ping
-FAINTEST = 1e-8  # of the strongest echo of a ping; below it counts as silence
+FAINTEST_ECHO = 1e-8  # of the strongest echo of a ping; below it counts as silence
 GROUP = 16  # pings that are split into loud and quiet bins together
-TOGETHER = 2**22  # sums that are in memory at once
+SUMS_TOGETHER = 2**22  # sums that are in memory at once
 FAINT = 3.0  # dB: median contrast at the edges, over all pings, below which there is no bottom track
 
 
@@ -40,9 +40,9 @@ def track_bottom(intensity: Echoes, bin_length: float) -> Floats:
     # transmitted pulse, or a shadow at nadir does not displace it.
     _, pings, bins = intensity.shape
     width = max(round(BEHIND * bins), 1)
-    block = GROUP * max(TOGETHER // (GROUP * bins), 1)
+    block = GROUP * max(SUMS_TOGETHER // (GROUP * bins), 1)
     first_pings = range(0, pings, block)
-    # Sums of scores forwards, of which the last ones of every block are kept; then the course backwards.
+    # Sums of scores forwards; the last ones of every block are kept. Then the course backwards.
     last: Singles | None = None
     starts: list[Singles | None] = []
     best = np.empty((0, 0), dtype=np.float32)
@@ -74,7 +74,7 @@ def _kinds(intensity: Singles) -> Floats:
     # Two-way spherical spreading is taken out, so that the far bed is not as quiet as the water column.
     both = intensity.astype(np.float64).mean(axis=0) * ((np.arange(bins) + 0.5) / bins) ** 4
     strongest = both.max(axis=1, keepdims=True)
-    level = np.log10(np.maximum(both / np.where(strongest > 0.0, strongest, 1.0), FAINTEST))
+    level = np.log10(np.maximum(both / np.where(strongest > 0.0, strongest, 1.0), FAINTEST_ECHO))
     varied = np.ptp(level, axis=1, keepdims=True) > 0.0
     if not varied.any():
         return np.zeros_like(level)

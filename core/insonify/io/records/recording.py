@@ -25,13 +25,13 @@ DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
 PLAUSIBLE_SPEEDS = (1300.0, 1700.0)  # m/s
 WIDEST = 8  # bins per sample of the longest ping; a corrupt range gives more
 LOUDEST = 1e18  # the square of an amplitude must fit a float32
-NEAR = 0.1  # relative difference of two frequencies that count as the same
-FARTHEST = 1e8  # m, of any map's coordinates
+FREQUENCY_RANGE = 0.1  # relative difference of two frequencies that count as the same
+FARTHEST_PLACE = 1e8  # m, of any map's coordinates
 DAY = 86400.0  # s
 ABSENT = -1  # format of a side that a ping lacks
-FEW = 2**23  # echoes up to which a recording is held in memory
-TOGETHER = 2**20  # echoes that are decoded at a time
-ALIKE = 4.0  # ratio of two speeds that are the same
+FEW_ECHOES = 2**23  # echoes up to which a recording is held in memory
+ECHOES_TOGETHER = 2**20  # echoes that are decoded at a time
+SPEED_RATIO = 4.0  # ratio of two speeds that are the same
 SLOWEST = 0.2  # m/s, of a recorded speed that counts
 SPEEDS = (0.2, 20.0)  # m/s, of a sonar under way
 LEAST_WAY = 20.0  # m, of a speed that counts against positions
@@ -132,7 +132,7 @@ class StoredEchoes(NamedTuple):
     def intensity(self, pings: Integers, bins: int, bin_length: float) -> Singles:
         """Squares of the samples of some pings on a grid of slant range, (2, n, bins)."""
         out = np.zeros((2, pings.size, bins), dtype=np.float32)
-        together = max(TOGETHER // (2 * bins), 1)
+        together = max(ECHOES_TOGETHER // (2 * bins), 1)
         try:
             with open_regular(self.path) as file:
                 status = os.fstat(file.fileno())
@@ -190,7 +190,7 @@ def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple
     band = next(iter(frequencies))
     if wanted is not None:
         band = min(frequencies, key=lambda each: abs(frequencies[each] - wanted))
-        if abs(frequencies[band] - wanted) > NEAR * wanted:
+        if abs(frequencies[band] - wanted) > FREQUENCY_RANGE * wanted:
             known = " or ".join(f"{frequency:g}" for frequency in frequencies.values() if frequency > 0.0)
             remedy = f"choose {known}" if known else "leave it out"
             raise FileFault(f"has no channels of {wanted:g} Hz", remedy)
@@ -210,7 +210,7 @@ class Fixes(NamedTuple):
     @property
     def known(self) -> Booleans:
         """Which pings have a fix: not zero, and within the map."""
-        widest, highest = (180.0, 90.0) if self.degrees else (FARTHEST, FARTHEST)
+        widest, highest = (180.0, 90.0) if self.degrees else (FARTHEST_PLACE, FARTHEST_PLACE)
         inside = (np.abs(self.x) <= widest) & (np.abs(self.y) <= highest)
         return ((self.x != 0.0) | (self.y != 0.0)) & inside
 
@@ -250,7 +250,7 @@ def settle_units(path: Path, declared: Fixes, other: Fixes, times: Floats, speed
         return declared
     slow, likely = _course_speed(declared, times), _course_speed(other, times)
     recorded = float(np.median(speed))
-    least, most = (recorded / ALIKE, recorded * ALIKE) if recorded > SLOWEST else SPEEDS
+    least, most = (recorded / SPEED_RATIO, recorded * SPEED_RATIO) if recorded > SLOWEST else SPEEDS
     if not (0.0 < slow < 0.1 * least and least < likely < most):
         return declared
     _warn(
@@ -394,14 +394,14 @@ def assemble(
         ACROSS, shape, "f4", lambda pings: echoes.intensity(pings, bins, bin_length),
         describe("1", "square of the samples"),
     )  # fmt: skip
-    if math.prod(shape) <= FEW:
+    if math.prod(shape) <= FEW_ECHOES:
         intensity = intensity.load()
     track_once = cache(lambda: track_bottom(intensity, bin_length))
     bottom = defer(
         ACROSS[1:2], shape[1:2], "f8", lambda pings: track_once()[pings],
         describe("m", "slant range of the first echo of the bed in the record"),
     )  # fmt: skip
-    if math.prod(shape) <= FEW:
+    if math.prod(shape) <= FEW_ECHOES:
         bottom = bottom.load()
     names = ["intensity", BOTTOM_TRACK, *record.data_vars]
     return record.assign({"intensity": intensity, BOTTOM_TRACK: bottom})[names]

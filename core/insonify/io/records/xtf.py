@@ -22,10 +22,10 @@ from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.records import recording
 from insonify.io.records.xtf_writer import DEGREES, KNOT, PROGRAM, SAMPLE_TYPES, counts, write_xtf
 
-SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
+ROW_OF_CHANNEL = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
 BLOCK = 1024  # bytes of a file header; one more block for every six further channels
-SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
+SAMPLE_DTYPES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
 CLOCK = ("Hour", "Minute", "Second", "HSeconds")
@@ -182,7 +182,7 @@ class _Reader:
                 if band not in self.bands:
                     self.bands[band] = _Band(float(channel.Frequency), one.sound_speed)
                 side = recording.Side(at, one.format, one.slant_range)
-                found.setdefault(band, {}).setdefault(SIDES[info.TypeOfChannel], side)
+                found.setdefault(band, {}).setdefault(ROW_OF_CHANNEL[info.TypeOfChannel], side)
             at += length
         for band, sides in found.items():
             self.bands[band].index.add(sides)
@@ -218,7 +218,7 @@ class _Channel(NamedTuple):
 
 def _samples(info: Any, channel: Any) -> tuple[str, int]:
     """Return the type and the number of the samples of a channel."""
-    kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else BY_BYTES.get(info.BytesPerSample)
+    kind = SAMPLE_DTYPES.get(info.SampleFormat) if info.SampleFormat else BY_BYTES.get(info.BytesPerSample)
     if kind is None:
         raise FileFault(
             f"has samples of format {info.SampleFormat} and {info.BytesPerSample} bytes, which is not read here",
@@ -245,7 +245,7 @@ def _side_format(header: Any, place: int, ping: Any, channel: Any) -> tuple[reco
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
         raise FileFault(f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
-    return recording.SideFormat(kind, 1, count, 0, SIDES[info.TypeOfChannel] == 0, scale), reach, speed
+    return recording.SideFormat(kind, 1, count, 0, ROW_OF_CHANNEL[info.TypeOfChannel] == 0, scale), reach, speed
 
 
 def _track(path: Path, header: Any, columns: dict[str, Any]) -> recording.RecordedTrack:
@@ -312,7 +312,7 @@ def _first_of(columns: dict[str, Any], *names: str, unknown: float = 0.0) -> Flo
 
 def _bands(header: Any) -> dict[int, int]:
     """Return the frequency that side-scan channels belong to, counted from 0, by the order of ports and starboards."""
-    kinds = [SIDES.get(info.TypeOfChannel) for info in header.ChanInfo]
+    kinds = [ROW_OF_CHANNEL.get(info.TypeOfChannel) for info in header.ChanInfo]
     return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
 
 

@@ -29,7 +29,7 @@ DESCENT = 0.5  # share of the range of depths that a descent covers at least
 # between them, in more than ten rows' usual steps. Water that differs so from what is above and below has more rows.
 SPIKE = {"depth": 5.0, "sound_speed": 3.0, "temperature": 1.0, "salinity": 2.5}
 SPIKE_OVER, SPIKE_OVER_NOISE, AT_END = 1.5, 10.0, 10.0  # m, usual steps, times more for the first and last row
-BESIDE, NEAR = 3, 10  # rows on each side of a spike, and those that measure the noise
+BESIDE, QUIET = 3, 10  # rows on each side of a spike, and those that measure the noise
 
 # Columns of a file by name: depth (m) and any of time (s), sound_speed (m/s), temperature (°C), salinity (practical).
 # NaN where a row has no value.
@@ -157,7 +157,8 @@ def find_spikes(name: str, values: Floats, depth: Floats | None) -> Booleans:
     around = sliding_window_view(np.pad(values, BESIDE, constant_values=np.nan), 2 * BESIDE + 1)
     steps = np.abs(np.diff(values, prepend=values[0]))
     noise = np.median(
-        sliding_window_view(np.pad(steps, NEAR, mode="reflect" if steps.size > NEAR else "edge"), 2 * NEAR + 1), axis=1
+        sliding_window_view(np.pad(steps, QUIET, mode="reflect" if steps.size > QUIET else "edge"), 2 * QUIET + 1),
+        axis=1,
     )
     least = np.full(values.size, SPIKE[name])
     if depth is not None:

@@ -28,7 +28,7 @@ from insonify.io.tables import (
     split_cells,
 )
 
-WIDTH = 11  # characters of a column, for tables without spaces between numbers
+COLUMN_WIDTH = 11  # characters of a column, for tables without spaces between numbers
 BAD = -9.99e-29  # marks a missing value
 LATITUDE = 45.0  # degrees, for depth from pressure
 # Names of columns of time and their units in seconds.
@@ -82,8 +82,8 @@ def _table(text: str, names: list[str]) -> Floats:
         if not line.strip() or line[0] in "*#":
             continue
         cells = line.split()
-        if len(cells) != len(names) and len(line.rstrip()) == WIDTH * len(names):
-            cells = [line[k : k + WIDTH] for k in range(0, WIDTH * len(names), WIDTH)]
+        if len(cells) != len(names) and len(line.rstrip()) == COLUMN_WIDTH * len(names):
+            cells = [line[k : k + COLUMN_WIDTH] for k in range(0, COLUMN_WIDTH * len(names), COLUMN_WIDTH)]
         try:
             rows.append([float(cell.replace(",", ".")) for cell in cells])
         except ValueError:

@@ -4,36 +4,70 @@ import math
 
 import numpy as np
 
-from insonify.compiler.jit import inlined, kernel
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel
 
 LEAST = 1e-9  # rad, by which edges of sectors differ
+TURNED = 1e-6  # rad, more than a plane is turned to follow the grid
 AT_EDGE = 1e-4  # share of a plane's width within which a border of a target is at its edge
 LOW, HIGH, ANGLE, FAR_ANGLE, NEAR_FIELD, REACH, APART, COLUMNS = range(8)  # of a divided sector
+BEGIN, END, STEP, NEAREST = range(4)  # of a body
 
 
 @kernel
 def divide_sectors(planes, bodies, corners, height, most):
-    """Divide those sectors that are too wide for the bodies in them or hold their borders.
+    """Divide the sectors of each ping that are too wide for the bodies in them or hold their borders.
 
     Parameters
     ----------
     planes : ndarray of float64, shape (planes, COLUMNS)
-        Sectors in the order of their azimuths, which may have gaps between them.
-    bodies : ndarray of float64, shape (bodies, 4)
+        Sectors of every ping in the order of their azimuths, which may have gaps between them.
+    bodies : ndarray of float64, shape (pings, bodies, 4)
         Azimuths at which each begins and ends, greatest distance of planes across it, rad, infinite for a body that
         does not count, and bound on its least ground range, m.
-    corners : ndarray of float64, shape (bodies, corners)
+    corners : ndarray of float64, shape (pings, bodies, corners)
         Azimuths at which a face of a body ends and another begins; NaN for none.
-    height : float
+    height : ndarray of float64, shape (pings,)
         Of the sonar above the lowest bed, m; reaches are per metre of it.
     most : int
-        Number of parts to which the bodies' demands are limited.
+        Number of parts to which the demands of a ping's bodies are limited.
 
     Returns
     -------
-    ndarray of float64, shape (parts, COLUMNS)
-        Parts in the order of their azimuths; `APART` is 1 where a border of a body lies at their beginning.
+    parts : ndarray of float64, shape (n, COLUMNS)
+        Parts of all divided pings, ping by ping, in the order of their azimuths; `APART` is 1 where a border of a body
+        lies at their beginning.
+    counts : ndarray of int64, shape (pings,)
+        Parts of each ping; 0 where none of its sectors is to be divided.
     """
+    found, counts, size = np.zeros((most, COLUMNS)), np.zeros(height.size, np.int64), 0
+    for ping in range(height.size):
+        if not _is_any_demanded(planes, bodies[ping], corners[ping], height[ping]):
+            continue
+        parts = _divide_ping(planes, bodies[ping], corners[ping], height[ping], most)
+        counts[ping] = parts.shape[0]
+        if size + counts[ping] > found.shape[0]:
+            more = np.zeros((2 * (size + counts[ping]), COLUMNS))
+            more[:size] = found[:size]
+            found = more
+        found[size : size + counts[ping]] = parts
+        size += counts[ping]
+    return found[:size], counts
+
+
+@inlined_uncounted
+def _is_any_demanded(planes, bodies, corners, height):
+    """Whether any sector of a ping is to be divided."""
+    for j in range(bodies.shape[0]):
+        if bodies[j, STEP] < math.inf and bodies[j, END] >= planes[0, LOW] and bodies[j, BEGIN] <= planes[-1, HIGH]:
+            for k in range(planes.shape[0]):
+                if _is_demanded(planes, k, bodies, j, corners, height):
+                    return True
+    return False
+
+
+@inlined
+def _divide_ping(planes, bodies, corners, height, most):
+    """Parts of the sectors of one ping."""
     # Across a body the parts are alike whatever the planes were: a glint is summed to a high order only by equal steps.
     is_dense, concerned = _find_demands(planes, bodies, corners, height)
     borders = _list_borders(planes, bodies, corners, concerned)
@@ -77,48 +111,50 @@ def _find_demands(planes, bodies, corners, height):
     is_dense, concerned = np.zeros(planes.shape[0], np.bool_), np.zeros(bodies.shape[0], np.bool_)
     for j in range(bodies.shape[0]):
         for k in range(planes.shape[0]):
-            if _is_demanded(planes[k], bodies[j], corners[j], height):
+            if _is_demanded(planes, k, bodies, j, corners, height):
                 is_dense[k] = concerned[j] = True
     return is_dense, concerned
 
 
-@inlined
-def _is_demanded(plane, body, corners, height):
-    """Whether a plane is too wide for a body, or holds a border of it."""
-    low, high, begin, end, step = plane[LOW], plane[HIGH], body[0], body[1], body[2]
-    if not step < math.inf or end < low or begin > high or body[3] > plane[REACH] * height:
+@inlined_uncounted
+def _is_demanded(planes, k, bodies, j, corners, height):
+    """Whether plane k is too wide for body j, or holds a border of it."""
+    low, high = planes[k, LOW], planes[k, HIGH]
+    begin, end, step = bodies[j, BEGIN], bodies[j, END], bodies[j, STEP]
+    if not step < math.inf or end < low or begin > high or bodies[j, NEAREST] > planes[k, REACH] * height:
         return False
     # Little of a plane may hold much of its echo: a face of steel is a hundred times as bright as the bed.
     inward = AT_EDGE * (high - low)
     demanded = low < end and high > begin and high - low > (1.0 + LEAST) * step
     demanded |= (low + inward < begin < high - inward) or (low + inward < end < high - inward)
-    for c in range(corners.size):
-        demanded |= low + inward < corners[c] < high - inward
+    for c in range(corners.shape[1]):
+        demanded |= low + inward < corners[j, c] < high - inward
     return demanded
 
 
 @kernel
-def find_pings_to_divide(planes, bodies, corners, height):
-    """Whether any sector of each ping is to be divided, (pings,).
+def find_pings_met(planes, first, last, bodies, height):
+    """Whether any plane of each ping may cut a body, (pings,).
 
     Parameters
     ----------
-    planes : ndarray of float64, shape (planes, COLUMNS)
-    bodies, corners : ndarray of float64, shapes (pings, bodies, 4) and (pings, bodies, corners)
-    height : ndarray of float64, shape (pings,)
-        All of each ping as `divide_sectors` has them.
+    planes : ndarray of float64, shape (planes, 2)
+        Azimuths of the planes of all pings, rad, and their reaches per metre of height.
+    first, last : ndarray of int64, shape (pings,)
+        First plane of each ping, and that after its last one.
+    bodies, height : ndarray of float64, shapes (pings, bodies, 4) and (pings,)
+        As `divide_sectors` has them.
     """
-    found, least, most = np.zeros(height.size, np.bool_), planes[0, LOW], planes[-1, HIGH]
+    met = np.zeros(height.size, np.bool_)
     for ping in range(height.size):
         for j in range(bodies.shape[1]):
-            body = bodies[ping, j]
-            if body[1] < least or body[0] > most:
+            begin, end = bodies[ping, j, BEGIN] - TURNED, bodies[ping, j, END] + TURNED
+            if not bodies[ping, j, STEP] < math.inf:
                 continue
-            for k in range(planes.shape[0]):
-                found[ping] |= _is_demanded(planes[k], body, corners[ping, j], height[ping])
-            if found[ping]:
-                break
-    return found
+            for k in range(first[ping], last[ping]):
+                is_reached = bodies[ping, j, NEAREST] <= planes[k, 1] * height[ping]
+                met[ping] |= is_reached and begin <= planes[k, 0] <= end
+    return met
 
 
 @inlined

@@ -8,7 +8,7 @@ Theory: docs/theory/beam.md.
 
 import math
 
-from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
+from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
@@ -42,7 +42,7 @@ def weigh_knots(x, z, r, sector, pattern, law, fine, room, out):
             out[i] = top_hat_width(x[i], r[i], sector)
 
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def _weigh_pattern(x, z, r, sector, pattern, law, fine, room, out):
     """Weights of a tabulated pattern, along the track and in the plane."""
     if sector.angle == 0.0:

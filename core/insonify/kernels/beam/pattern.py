@@ -241,7 +241,7 @@ def vertical_response(pattern, side, up):
 @inlined_uncounted
 def lobe_response(pattern, side, up):
     """Two-way response of a vertical beam of a single lobe; arguments and result as of `vertical_response`."""
-    # Loops over knots take it by itself: with a table beside it they are a tenth slower.
+    # Loops over knots take it alone: with a table beside it they are a tenth slower.
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     # Parts of the direction along the tilted axis, and at right angles to it.
     along, off = side * c - up * s, (up * c + side * s) / pattern.s_vertical

@@ -22,7 +22,7 @@ class ContributorTable(NamedTuple):
     There is a row for each contributor by each path, then one for the shadow of each target.
     """
 
-    count: int  # contributors by one path
+    per_path: int  # contributors by one path
     first_hidden: int  # row of the first target's shadow
     present: NDArray[np.bool_]  # (rows,)
     energy: NDArray[np.float64]  # (rows, bins) in fixed-point units
@@ -34,11 +34,11 @@ class ContributorTable(NamedTuple):
 def empty_contributor_table(materials: int, targets: int, paths: int, bins: int) -> ContributorTable:
     """Make room for one side of a ping: materials and targets by every path and shadows of targets, over range bins."""
     # Memory of contributors that never occur is never touched.
-    count, first_hidden = materials + targets, paths * (materials + targets)
+    per_path, first_hidden = materials + targets, paths * (materials + targets)
     energy, strongest = np.empty((2, first_hidden + targets, bins))
     x, cosine = np.empty((2, first_hidden + targets, bins), np.float32)
     return ContributorTable(
-        count, first_hidden, np.zeros(first_hidden + targets, np.bool_), energy, strongest, x, cosine
+        per_path, first_hidden, np.zeros(first_hidden + targets, np.bool_), energy, strongest, x, cosine
     )
 
 
@@ -65,8 +65,8 @@ class SpreadEcho(NamedTuple):
 @inlined_before_typing
 def contributor_row(contributions, who):
     """One contributor's row of a table."""
-    count, first_hidden, present, energy, strongest, x, cosine = contributions
-    return ContributorTable(count, first_hidden, present, energy[who], strongest[who], x[who], cosine[who])
+    per_path, first_hidden, present, energy, strongest, x, cosine = contributions
+    return ContributorTable(per_path, first_hidden, present, energy[who], strongest[who], x[who], cosine[who])
 
 
 @inlined_uncounted

@@ -57,7 +57,7 @@ class Solids(NamedTuple):
 class Mesh(NamedTuple):
     """Triangles of all targets that have any, in the order of the bounding volume hierarchy over them.
 
-    The hierarchy lies in depth-first order: a search that enters node i goes on with i + 1, one that passes it by with
+    The hierarchy lies in depth-first order: a search that enters node i continues with i + 1, one that passes it with
     ``skip[i]``; it is over at the number of nodes.
     """
 

@@ -1,11 +1,20 @@
-"""Cross-sections of convex bodies by one vertical half-plane: convex figures that fill intervals of launch angles."""
+"""Convex bodies in one vertical half-plane: the launch angles that they fill, and where its rays meet them.
+
+Rays are met one by one, and many at once without branches, which would keep the compiler from its vector units.
+"""
 
 import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.solids import FrustumShape, greatest_radius
+from insonify.kernels.geometry.solids import (
+    FrustumShape,
+    frustum_normal,
+    greatest_radius,
+    intersect_frustum,
+    intersect_sphere,
+)
 
 DOWN, UP = -math.pi / 2.0, math.pi / 2.0
 NEVER = 1e30
@@ -184,3 +193,139 @@ def _forward(centre, low, high):
     if high <= low:
         return False, 0.0, 0.0
     return True, low, high
+
+
+@inlined_uncounted
+def middle_of_section(solids, k, plane):
+    """Ground range and height above the sonar of the middle of a body's cross-section."""
+    x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
+    if solids.shape[k] == SPHERE:
+        return x * plane.ex + y * plane.ey, z
+    # The part of the axis that is nearer to the plane than the body is thick.
+    length, thick = solids.length[k], solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    across, rate = x * plane.ey - y * plane.ex, ax * plane.ey - ay * plane.ex
+    begin, end = 0.0, length
+    if rate != 0.0:
+        one, other = (-thick - across) / rate, (thick - across) / rate
+        begin, end = max(begin, min(one, other)), min(end, max(one, other))
+    along = min(max(0.5 * (begin + end), 0.0), length)
+    return (x + along * ax) * plane.ex + (y + along * ay) * plane.ey, z + along * az
+
+
+@inlined_uncounted
+def meet_solid(body, c, s):
+    """Distance of a body along a straight ray of its plane, and both parts of the inward normal within the plane.
+
+    The body has the numbers of a `Primitive`: its place from the origin of the ray, its shape, and the plane's azimuth.
+    """
+    dx, dy = c * body.level_x, c * body.level_y
+    if body.kind == SPHERE:
+        distance, _ = intersect_sphere(body.x, body.y, body.z, body.radius, dx, dy, s)
+        inwards = (body.x * dx + body.y * dy + body.z * s - distance) / body.radius
+        level = body.x * body.level_x + body.y * body.level_y
+        return (distance if distance > 0.0 else math.inf), inwards, (c * body.z - s * level) / body.radius
+    frustum = FrustumShape(body.x, body.y, body.z, body.ax, body.ay, body.az, body.length, body.radius, body.taper)
+    distance, face, _, _ = intersect_frustum(frustum, dx, dy, s)
+    if not 0.0 < distance < math.inf:
+        return math.inf, 0.0, 0.0
+    px, py, pz = distance * dx - body.x, distance * dy - body.y, distance * s - body.z
+    nx, ny, nz = frustum_normal(px, py, pz, body.ax, body.ay, body.az, body.radius, body.taper, face)
+    return distance, -(nx * dx + ny * dy + nz * s), s * (nx * body.level_x + ny * body.level_y) - c * nz
+
+
+@inlined_uncounted
+def meet_solid_by_rays(body, count, normals, distance, incidence, lean):
+    """Meet a body with many rays of its plane, as `meet_solid` with one.
+
+    ``distance`` and ``incidence`` enter as cosine and sine of the rays' angles, which are not needed afterwards.
+    """
+    if body.kind == SPHERE:
+        _meet_sphere_by_rays(body, count, normals, distance, incidence, lean)
+    else:
+        _meet_frustum_by_rays(body, count, normals, distance, incidence, lean)
+
+
+@inlined_uncounted
+def _in_plane(x, y, ex, ey):
+    """Parts of a level vector along the plane's azimuth and at right angles to the plane."""
+    return x * ex + y * ey, y * ex - x * ey
+
+
+@inlined_uncounted
+def _meet_sphere_by_rays(body, count, normals, distance, incidence, lean):
+    """Meet a sphere."""
+    (x, y), z, radius = _in_plane(body.x, body.y, body.level_x, body.level_y), body.z, body.radius
+    squared, per_radius = radius * radius - y * y, 1.0 / radius
+    for i in range(count):
+        c, s = distance[i], incidence[i]
+        along = x * c + z * s
+        # The perpendicular, not c² − along², keeps its digits far away.
+        px, pz = x - along * c, z - along * s
+        root = squared - (px * px + pz * pz)
+        half = math.sqrt(root if root > 0.0 else 0.0)
+        met = (root >= 0.0) & (along > half)
+        distance[i] = along - half if met else math.inf
+        if normals:
+            incidence[i] = half * per_radius if met else 0.0
+            lean[i] = (c * z - s * x) * per_radius
+
+
+@inlined_uncounted
+def _meet_frustum_by_rays(body, count, normals, distance, incidence, lean):
+    """Meet a frustum: the stretch inside both a cone and a slab."""
+    ex, ey, length, radius, taper = body.level_x, body.level_y, body.length, body.radius, body.taper
+    (x, y), z = _in_plane(body.x, body.y, ex, ey), body.z
+    (ax, ay), az = _in_plane(body.ax, body.ay, ex, ey), body.az
+    tip = -math.copysign(1.0, taper)
+    for i in range(count):
+        c, s = distance[i], incidence[i]
+        da = c * ax + s * az
+        # Counted from where the line passes the middle, so that far away no digits are lost.
+        middle = x * c + z * s + 0.5 * length * da
+        mx, mz = middle * c - x, middle * s - z
+        axial = mx * ax + mz * az - y * ay
+        # Cone: |p + u w| <= here + growth u, a quadratic a u² + 2 b u + q <= 0.
+        wx, wy, wz = c - da * ax, da * ay, s - da * az
+        px, py, pz = mx - axial * ax, y + axial * ay, mz - axial * az
+        here, growth = radius + taper * axial, taper * da
+        a = wx * wx + wy * wy + wz * wz - growth * growth
+        b = wx * px + wy * py + wz * pz - growth * here
+        q = px * px + py * py + pz * pz - here * here
+        root = b * b - a * q
+        # The form without cancellation.
+        big = -b - math.copysign(math.sqrt(root if root > 0.0 else 0.0), b)
+        other = q / big
+        one = big / a if a != 0.0 else other
+        low, high = (one if one < other else other), (other if one < other else one)
+        # Steeper than the cone, a ray stays inside on one side, where the radius grows.
+        side_near = low if a > 0.0 else (high if growth > 0.0 else -math.inf)
+        side_far = high if a > 0.0 else (math.inf if growth > 0.0 else low)
+        side_near = side_near if big != 0.0 else (-math.inf if q < 0.0 else math.inf)
+        side_far = side_far if big != 0.0 else (math.inf if q < 0.0 else -math.inf)
+        # Slab between the ends.
+        per_rate, between = 1.0 / da, (axial >= 0.0) & (axial <= length)
+        first, last = -axial * per_rate, (length - axial) * per_rate
+        slab_near, slab_far = (first if first < last else last), (last if first < last else first)
+        slab_near = slab_near if da != 0.0 else (-math.inf if between else math.inf)
+        slab_far = slab_far if da != 0.0 else (math.inf if between else -math.inf)
+        on_side = side_near >= slab_near
+        near, far = (side_near if on_side else slab_near), (side_far if side_far <= slab_far else slab_far)
+        reached = middle + near
+        met = (side_near < side_far) & (near < far) & (reached > 0.0) & (reached < math.inf)
+        met = met & ((root >= 0.0) | (a <= 0.0))
+        distance[i] = reached if met else math.inf
+        if normals:
+            # Outwards: the gradient of |p⊥|² − (radius + taper axial)² on the side, the axis on an end.
+            px, pz = reached * c - x, reached * s - z
+            axial = px * ax + pz * az - y * ay
+            inwards = axial + taper * (radius + taper * axial)
+            nx, ny, nz = px - inwards * ax, y + inwards * ay, pz - inwards * az
+            squared = nx * nx + ny * ny + nz * nz
+            per_norm = 1.0 / math.sqrt(squared)
+            # The apex has no normal; the axis is the mean of the normals around it.
+            end = tip if on_side else (-1.0 if da > 0.0 else 1.0)
+            curved = on_side & (squared != 0.0)
+            nx, nz = (nx * per_norm if curved else end * ax), (nz * per_norm if curved else end * az)
+            incidence[i] = -(nx * c + nz * s) if met else 0.0
+            lean[i] = s * nx - c * nz

@@ -1,13 +1,14 @@
-"""Rays against analytic convex bodies: exact entry and exit, and the outward normals there."""
+"""Analytic convex bodies: where rays enter and leave them, distances, normals and their change, and what is inside."""
 
 import math
 from typing import NamedTuple
 
-from insonify.compiler.jit import inlined_uncounted, kernel
+from insonify.compiler.jit import inlined, inlined_uncounted, kernel
 from insonify.kernels.common.types import SPHERE
 
 MISSED = math.inf
 SIDE, FIRST_END, LAST_END = 0, -1, 1
+TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
 
 class FrustumShape(NamedTuple):
@@ -41,16 +42,19 @@ def highest_place(arrays):
 def intersect_solid(solids, k, x, y, z, dx, dy, dz):
     """Intersect a ray with a body from outside."""
     distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
-    if not 0.0 < distance < MISSED:
-        return MISSED, 0.0, 0.0, 0.0
-    nx, ny, nz = _normal(solids, k, face, x + distance * dx, y + distance * dy, z + distance * dz)
-    return distance, nx, ny, nz
+    return _hit(solids, k, distance, face, x, y, z, dx, dy, dz)
 
 
 @inlined_uncounted
 def exit_solid(solids, k, x, y, z, dx, dy, dz):
     """Intersect a ray with the far side of a body, from inside it."""
     _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
+    return _hit(solids, k, distance, face, x, y, z, dx, dy, dz)
+
+
+@inlined_uncounted
+def _hit(solids, k, distance, face, x, y, z, dx, dy, dz):
+    """Distance of a body along a ray, and the outward normal there."""
     if not 0.0 < distance < MISSED:
         return MISSED, 0.0, 0.0, 0.0
     nx, ny, nz = _normal(solids, k, face, x + distance * dx, y + distance * dy, z + distance * dz)
@@ -77,6 +81,65 @@ def distance_to_solid(solids, k, x, y, z):
         return beyond
     foot = min(max((along + taper * (off_axis - radius)) / (1.0 + taper * taper), 0.0), length)
     return math.hypot(along - foot, off_axis - radius - taper * foot)
+
+
+@kernel
+def signed_distance(solids, k, x, y, z):
+    """Distance of a point from the surface of a body, negative inside; beyond a rim, from the nearer face extended."""
+    px, py, pz, along = _off_axis(solids, k, x, y, z)
+    side = _distance_to_side(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
+    return side if solids.shape[k] == SPHERE else max(side, max(-along, along - solids.length[k]))
+
+
+@kernel
+def nearest_normal(solids, k, x, y, z):
+    """Outward normal of the surface of a body nearest to a point."""
+    px, py, pz, along = _off_axis(solids, k, x, y, z)
+    radial = math.sqrt(px * px + py * py + pz * pz)
+    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
+    cap = max(-along, along - solids.length[k])
+    if solids.shape[k] != SPHERE and cap > _distance_to_side(solids, k, radial, along):
+        end = -1.0 if -along > along - solids.length[k] else 1.0
+        return end * ax, end * ay, end * az
+    norm, radial = math.sqrt(1.0 + taper * taper), max(radial, TINY)
+    return (px / radial - taper * ax) / norm, (py / radial - taper * ay) / norm, (pz / radial - taper * az) / norm
+
+
+@kernel
+def _off_axis(solids, k, x, y, z):
+    """Point from a body's start: across its axis and along it."""
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    return px - along * solids.axis[k, 0], py - along * solids.axis[k, 1], pz - along * solids.axis[k, 2], along
+
+
+@kernel
+def _distance_to_side(solids, k, radial, along):
+    """Distance of a point from the side of a body, by how far off its axis and along it the point is."""
+    taper = solids.taper[k]
+    return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
+
+
+@inlined
+def normal_change(solids, k, point, normal, shift):
+    """Change of a body's normal at a point along a shift of the point; zero on the flat ends."""
+    (x, y, z), (nx, ny, nz), (sx, sy, sz) = point, normal, shift
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    if solids.shape[k] == SPHERE:
+        # Positive where the normal points outwards.
+        over = math.copysign(1.0 / solids.radius[k], px * nx + py * ny + pz * nz)
+        return sx * over, sy * over, sz * over
+    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
+    slope = math.sqrt(1.0 + taper * taper)
+    if abs(abs(nx * ax + ny * ay + nz * az) * slope - abs(taper)) > 1e-6 * slope:
+        return 0.0, 0.0, 0.0
+    rx, ry, rz, _ = _off_axis(solids, k, x, y, z)
+    radius = max(math.sqrt(rx * rx + ry * ry + rz * rz), TINY)
+    # The side is curved around the axis and straight along it.
+    cx, cy, cz = (ay * rz - az * ry) / radius, (az * rx - ax * rz) / radius, (ax * ry - ay * rx) / radius
+    over = math.copysign(1.0 / (radius * slope), rx * nx + ry * ny + rz * nz)
+    over *= sx * cx + sy * cy + sz * cz
+    return over * cx, over * cy, over * cz
 
 
 @inlined_uncounted

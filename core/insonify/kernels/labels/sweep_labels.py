@@ -13,12 +13,20 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import kernel, kernel_uncounted
 from insonify.kernels.common.contributors import contributor_row
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
-from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares
+from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares_of_images
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.bed_stretches import NO_TARGET
 from insonify.kernels.sweep.plane_errors import add_plane, finish_side, square_record
 from insonify.kernels.sweep.stretches import StretchSink
-from insonify.kernels.sweep.sweep import aim_plane, begin_measured, can_measure, reach_in_bins, sweep_plane
+from insonify.kernels.sweep.sweep import (
+    aim_plane,
+    begin_measured,
+    can_measure,
+    planes_of,
+    reach_in_bins,
+    shares_planes,
+    sweep_plane,
+)
 
 NO_MATERIAL = NO_PATH = -1
 
@@ -73,15 +81,15 @@ class LabelledPings(NamedTuple):
 
 
 @kernel
-def label_swept_pings(arrays, poses, fan, image_fan, apparent, contributors, workspace, multipath, sums, out):
+def label_swept_pings(arrays, poses, laid, image_laid, apparent, contributors, workspace, multipath, sums, out):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
     Parameters
     ----------
     arrays, poses : SceneArrays, Poses
         n pings.
-    fan, image_fan : AzimuthFan
-        Planes of the sonar's beam, and of its image's in the sea surface.
+    laid, image_laid : LaidPlanes
+        Planes of the sonar's beam, and of its image's in the sea surface, of n pings.
     apparent, contributors : ApparentTables, Contributors
     workspace, multipath, sums : SweepWorkspace, MultipathWorkspace, PlaneSums
         The first notes contributors.
@@ -89,20 +97,18 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, contributors, wor
         Of n pings; takes the result.
     """
     bins, contributions = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), workspace.contributions
-    by_surface, materials, no_bins = (
-        np.zeros(arrays.bins, np.float32),
-        arrays.reflectivity.shape[0],
-        np.zeros(0, np.float32),
-    )
-    shares, factor, is_measured = empty_shares(fan, image_fan), arrays.range_factor, can_measure(fan, out.errors)
+    by_surface, materials = np.zeros(arrays.bins, np.float32), arrays.reflectivity.shape[0]
+    shares, factor = empty_shares_of_images(laid, image_laid), arrays.range_factor
+    no_bins = np.zeros(0, np.float32)
     for ping in range(poses.x.size):
-        grid = prepare_table(apparent, poses.z[ping], workspace.table)
+        grid, fan = prepare_table(apparent, poses.z[ping], workspace.table), planes_of(laid, ping)
+        is_measured = can_measure(fan, out.errors)
         for side in range(2):
             place = out.places[ping]
             intensity = out.traced[place, side]
             missed = out.errors[place : place + 1, side]
             if is_measured:
-                begin_measured(arrays, poses, ping, side, fan, sums, shares)
+                begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
@@ -118,7 +124,7 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, contributors, wor
             if arrays.multipath.enabled:
                 sink = StretchSink(bins, contributions, True)
                 add_multipath(
-                    arrays, poses, ping, side, fan, image_fan, multipath, sink, sums, shares, by_surface, intensity,
+                    arrays, poses, ping, side, laid, image_laid, multipath, sink, sums, shares, by_surface, intensity,
                     missed, no_bins,
                 )  # fmt: skip
             label_side(contributions, contributors, materials, 1.0 / FIXED_POINT, intensity, out, place, side)

@@ -16,7 +16,7 @@ from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, surface_image, wave_advance
 from insonify.kernels.rays.cast import aim_straight, cast_straight, unaimed
-from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.cell_walk import NO_HIT
 from insonify.kernels.rays.launch import SideBeam, cone_azimuth, orient_beam
 from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_scene, start_path
 from insonify.kernels.rays.pings import TOGETHER, take_rays
@@ -81,7 +81,7 @@ def _add_hits(arrays, beam, image, seen_from, farthest, launch, bundle, hits, su
     """Sum the echoes that one image brings of what some rays have met."""
     fan, multipath = arrays.half_width > 0.0, arrays.multipath
     for k in range(launch.weight.size):
-        if hits.body[k] == NOTHING or launch.weight[k] == 0.0 or _is_blocked(arrays, beam, image, bundle, hits, k):
+        if hits.body[k] == NO_HIT or launch.weight[k] == 0.0 or _is_blocked(arrays, beam, image, bundle, hits, k):
             continue
         meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path, out = advance_to(arrays, start_path(bundle, k), meeting), 1.0
@@ -149,7 +149,7 @@ def _is_blocked(arrays, beam, image, bundle, hits, k):
         return False
     length = image.above / -bundle.dz[k]
     blocker = meet_scene(arrays, beam.x, beam.y, beam.z, bundle.dx[k], bundle.dy[k], -bundle.dz[k], length)
-    return blocker.body != NOTHING
+    return blocker.body != NO_HIT
 
 
 @inlined

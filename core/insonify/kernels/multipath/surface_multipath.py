@@ -38,7 +38,15 @@ from insonify.kernels.sweep.image_paths import (
 )
 from insonify.kernels.sweep.plane_errors import NODES, add_plane, finish_side, square_record
 from insonify.kernels.sweep.stretches import Stretch, StretchSink, empty_stretch_list, list_stretch, sink_stretches
-from insonify.kernels.sweep.sweep import LOWEST, aim_plane, begin_measured, can_measure
+from insonify.kernels.sweep.sweep import (
+    LOWEST,
+    aim_plane,
+    begin_measured,
+    can_measure,
+    empty_shares,
+    planes_of,
+    shares_planes,
+)
 from insonify.kernels.sweep.target_stretches import BedHorizon, sink_paired_targets, view_from_higher
 from insonify.kernels.sweep.visibility import launch_slopes, running_horizon, slant_ranges
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
@@ -85,7 +93,7 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
 
 
 @kernel
-def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sums, out, errors, bin_errors):
+def sweep_multipath(arrays, poses, laid, image_laid, workspace, contributions, sums, out, errors, bin_errors):
     """Add the echoes by way of the sea surface to the records of pings, and what their planes miss to the errors.
 
     Parameters
@@ -94,8 +102,8 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sum
         Of water without refraction.
     poses : Poses
         n pings.
-    fan, image_fan : AzimuthFan
-        Planes of the sonar's beam, and of its image's in the sea surface.
+    laid, image_laid : LaidPlanes
+        Planes of the sonar's beam, and of its image's in the sea surface, of n pings.
     workspace : MultipathWorkspace
     contributions : ContributorTable
         Left alone.
@@ -105,34 +113,35 @@ def sweep_multipath(arrays, poses, fan, image_fan, workspace, contributions, sum
     errors, bin_errors : ndarray of float64, shape (n, 2, 3, 2), and of float32, shape (n, 2, bins)
         As of `sweep_pings`; added to.
     """
-    line, shares = np.zeros(arrays.bins, np.float32), empty_shares(fan, image_fan)
+    line, shares = np.zeros(arrays.bins, np.float32), empty_shares_of_images(laid, image_laid)
     sink = StretchSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), contributions, False)
     for ping in range(poses.x.size):
         for side in range(2):
             missed = errors[ping : ping + 1, side]
             add_multipath(
-                arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, out[ping, side], missed,
-                bin_errors[ping, side],
+                arrays, poses, ping, side, laid, image_laid, workspace, sink, sums, shares, line, out[ping, side],
+                missed, bin_errors[ping, side],
             )  # fmt: skip
 
 
 @inlined
-def empty_shares(fan, image_fan):
-    """Room for the shares of the planes of a beam, none of those of its image alone."""
-    return np.zeros((fan.azimuth.size + image_fan.azimuth.size, NODES + 1))
+def empty_shares_of_images(laid, image_laid):
+    """Room for the shares of the planes of a ping's beam, none of those of its image alone."""
+    return np.zeros((empty_shares(laid).shape[0] + empty_shares(image_laid).shape[0], NODES + 1))
 
 
 @kernel_uncounted
 def add_multipath(
-    arrays, poses, ping, side, fan, image_fan, workspace, sink, sums, shares, line, intensity, missed, bin_errors
+    arrays, poses, ping, side, laid, image_laid, workspace, sink, sums, shares, line, intensity, missed, bin_errors
 ):
     """Add the echoes by way of the sea surface to one side of one ping; ``missed`` has a row if errors are estimated.
 
     The echo of the surface itself does not count in them: it is exact, and may outweigh all others.
     """
-    is_measured, factor, bins = can_measure(fan, missed), arrays.range_factor, sink.bins
+    fan, image_fan, factor, bins = planes_of(laid, ping), planes_of(image_laid, ping), arrays.range_factor, sink.bins
+    is_measured = can_measure(fan, missed)
     if is_measured:
-        begin_measured(arrays, poses, ping, side, fan, sums, shares)
+        begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
         sums.planes[1] = 0  # waves may shorten a path
     pairs, alike = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping]), _are_alike(fan, image_fan)
     for of_image in range(2):

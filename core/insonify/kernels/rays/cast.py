@@ -19,7 +19,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
+from insonify.kernels.rays.cell_walk import NO_HIT, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     RayLaunch,
     aim_rays,
@@ -162,7 +162,7 @@ def cast_refracted(arrays, beam, waveguide, aim, step):
 def echo_dark_sides(arrays, rays, own):
     """Echoes from the dark sides of caustics, of a surface like that where refracted rays land on the bright side."""
     hits, arrivals = rays.hits, rays.arrivals
-    ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0)) if arrays.law != LIGHT else np.empty(0, np.int64)
+    ray = np.flatnonzero((own.bin >= 0) & (arrivals.dark > 0.0))
     dark = RayEchoes(ray, np.full(ray.size, -1), np.zeros(ray.size), np.empty(ray.size), own.cosine[ray])
     for m in range(ray.size):
         k = ray[m]
@@ -212,7 +212,7 @@ def weigh_by_pattern(arrays, beam, rays, weight):
     """Weight of rays by the two-way response of a tabulated pattern towards their hits."""
     bundle, hits, fan, weighed = rays.bundle, rays.hits, arrays.half_width > 0.0, np.zeros(weight.size)
     for k in range(weight.size):
-        if hits.body[k] != NOTHING:
+        if hits.body[k] != NO_HIT:
             dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
             weighed[k] = weight[k] * two_way_response(
                 arrays.pattern, beam, fan, arrays.law, dx, dy, dz, hits.distance[k]
@@ -247,7 +247,7 @@ def _fill_echoes(arrays, hits, arrivals, weight, echoes):
     for k in range(weight.size):
         echoes.bin[k], echoes.value[k], echoes.cosine[k] = -1, 0.0, 0.0
         distance = hits.distance[k]
-        if hits.body[k] == NOTHING or not 0.0 < distance < bins * bin_length:
+        if hits.body[k] == NO_HIT or not 0.0 < distance < bins * bin_length:
             continue
         b = int(distance / bin_length)
         nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]

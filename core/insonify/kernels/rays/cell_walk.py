@@ -19,7 +19,7 @@ from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh_bundle
 
-NOTHING = -2
+NO_HIT = -2
 SKIN = 1e-9  # share of the coordinates: a point closer to the bed is on it, and a ray that starts there does not hit it
 FOREVER = 1e300
 
@@ -52,7 +52,7 @@ class Hits(NamedTuple):
     """The first thing that each ray meets, (n,) each."""
 
     distance: NDArray[np.float64]  # m, infinite if nothing is met
-    body: NDArray[np.int64]  # row of the solids, beyond them of the triangles; BED or NOTHING
+    body: NDArray[np.int64]  # row of the solids, beyond them of the triangles; BED or NO_HIT
     material: NDArray[np.int64]  # row of the reflectivity table
     nx: NDArray[np.float64]  # unit normal on the ray's side
     ny: NDArray[np.float64]
@@ -99,7 +99,7 @@ def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
 def _meet_solids(solids, near, count, bundle, reach, hits):
     """Initialise the hits with the nearest solid that each ray meets within ``reach``."""
     for k in range(bundle.x.size):
-        hits.distance[k], hits.body[k], hits.material[k] = math.inf, NOTHING, 0
+        hits.distance[k], hits.body[k], hits.material[k] = math.inf, NO_HIT, 0
         hits.nx[k], hits.ny[k], hits.nz[k] = 0.0, 0.0, 0.0
     for m in range(count):
         body = near[m]
@@ -135,7 +135,7 @@ def meet_bed(bed, ray, reach):
     above, known = 0.0, False
     while start < end:
         stop = max(min(t_u, t_v, end), start)
-        cell = load_cell(bed.heights, row, column)
+        cell = load_bed_cell(bed.heights, row, column)
         # NaN at any corner makes this NaN: no bed here.
         after = _clearance(cell, u0 + stop * du - i, v0 + stop * dv - j, ray.z + stop * ray.dz)
         if after == after:
@@ -171,7 +171,7 @@ def _next_cell(cell, node, forwards, nodes):
 
 
 @inlined_before_typing
-def load_cell(heights, row, column):
+def load_bed_cell(heights, row, column):
     """Bilinear coefficients of a cell of the bed."""
     ny, nx = heights.shape
     across = column + 1 if column + 1 < nx else 0

@@ -9,12 +9,10 @@ import math
 import numpy as np
 
 from insonify.compiler.jit import inlined_before_typing, kernel
-from insonify.kernels.common.types import BED, SPHERE
-from insonify.kernels.geometry.solids import greatest_radius
+from insonify.kernels.common.types import BED
+from insonify.kernels.geometry.solids import greatest_radius, nearest_normal, signed_distance
 from insonify.kernels.geometry.triangles import facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, cell_normal, load_cell
-
-TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
+from insonify.kernels.rays.cell_walk import NO_HIT, Ray, cell_normal, load_bed_cell
 
 
 @kernel
@@ -41,24 +39,24 @@ def _march(bed, solids, near, count, ray, ceiling, reach, step):
     before = _bed_clearance(bed, ray, (first - 1) * step)
     for k in range(first, last + 1):
         distance, body, before = _sample(bed, solids, near, count, ray, before, k * step, step)
-        if body != NOTHING:
+        if body != NO_HIT:
             return distance, body
-    return math.inf, NOTHING
+    return math.inf, NO_HIT
 
 
 @inlined_before_typing
 def _sample(bed, solids, near, count, ray, before, t, step):
     """Test the sample at distance t: distance of the surface crossed since the last sample, body, and clearance."""
     # ``before`` is the clearance above the bed of the last sample, a step nearer.
-    best, body = math.inf, NOTHING
+    best, body = math.inf, NO_HIT
     after = _bed_clearance(bed, ray, t)
     if after <= 0.0:
         share = before / (before - after) if 0.0 < before < math.inf else 1.0
         best, body = t - (1.0 - share) * step, BED
     for m in range(count):
-        depth = _solid_clearance(solids, near[m], ray, t)
+        depth = _clearance(solids, near[m], ray, t)
         if depth <= 0.0:
-            outside = _solid_clearance(solids, near[m], ray, t - step)
+            outside = _clearance(solids, near[m], ray, t - step)
             share = outside / (outside - depth) if outside > 0.0 else 0.0
             distance = t - (1.0 - share) * step
             if distance < best:
@@ -77,15 +75,16 @@ def march_chord(bed, solids, near, count, ray, length):
 @inlined_before_typing
 def _surface_at(bed, solids, ray, distance, body):
     """Material and normal of what a ray meets at a distance."""
-    if body == NOTHING:
+    if body == NO_HIT:
         return 0, 0.0, 0.0, 0.0
     if body == BED:
         row, column, u, v = _cell_beneath(bed, ray, distance)
         if row < 0:
             return 0, 0.0, 0.0, 0.0
-        nx, ny, nz = cell_normal(load_cell(bed.heights, row, column), u, v, bed.spacing)
+        nx, ny, nz = cell_normal(load_bed_cell(bed.heights, row, column), u, v, bed.spacing)
         return np.int64(bed.materials[row, column]), nx, ny, nz
-    nx, ny, nz = _body_normal(solids, body, ray, distance)
+    x, y, z = ray.x + distance * ray.dx, ray.y + distance * ray.dy, ray.z + distance * ray.dz
+    nx, ny, nz = nearest_normal(solids, body, x, y, z)
     return solids.material[body], nx, ny, nz
 
 
@@ -132,46 +131,12 @@ def _bed_clearance(bed, ray, t):
     row, column, u, v = _cell_beneath(bed, ray, t)
     if row < 0:
         return math.inf
-    cell = load_cell(bed.heights, row, column)
+    cell = load_bed_cell(bed.heights, row, column)
     height = ray.z + t * ray.dz - (cell.a + cell.b * u + (cell.c + cell.d * u) * v)
     return height if height == height else math.inf
 
 
-@kernel
-def _axial(solids, k, ray, t):
-    """Point of a ray at distance t, from a solid's start: across its axis and along it."""
-    px, py = ray.x + t * ray.dx - solids.start[k, 0], ray.y + t * ray.dy - solids.start[k, 1]
-    pz = ray.z + t * ray.dz - solids.start[k, 2]
-    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
-    return px - along * solids.axis[k, 0], py - along * solids.axis[k, 1], pz - along * solids.axis[k, 2], along
-
-
-@kernel
-def _solid_clearance(solids, k, ray, t):
-    """Distance of a point from the surface of a solid, negative inside; beyond a rim, from the nearer face extended."""
-    px, py, pz, along = _axial(solids, k, ray, t)
-    outside = _side_clearance(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
-    if solids.shape[k] == SPHERE:
-        return outside
-    return max(outside, max(-along, along - solids.length[k]))
-
-
-@kernel
-def _side_clearance(solids, k, radial, along):
-    """Distance of a point from the side of a solid, by how far off its axis and along it the point is."""
-    taper = solids.taper[k]
-    return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
-
-
-@kernel
-def _body_normal(solids, k, ray, t):
-    """Outward normal of the surface of a solid nearest to the point of a ray at distance t."""
-    px, py, pz, along = _axial(solids, k, ray, t)
-    radial = math.sqrt(px * px + py * py + pz * pz)
-    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
-    cap = max(-along, along - solids.length[k])
-    if solids.shape[k] != SPHERE and cap > _side_clearance(solids, k, radial, along):
-        side = -1.0 if -along > along - solids.length[k] else 1.0
-        return side * ax, side * ay, side * az
-    norm, radial = math.sqrt(1.0 + taper * taper), max(radial, TINY)
-    return (px / radial - taper * ax) / norm, (py / radial - taper * ay) / norm, (pz / radial - taper * az) / norm
+@inlined_before_typing
+def _clearance(solids, k, ray, t):
+    """Distance of the point of a ray at distance t from the surface of a solid, negative inside."""
+    return signed_distance(solids, k, ray.x + t * ray.dx, ray.y + t * ray.dy, ray.z + t * ray.dz)

@@ -2,10 +2,9 @@
 
 Each ray that lands gives one path. For each other elevation at which a probe ray comes down near there, Newton's steps
 find the ray to the same spot, which is then traced to see whether anything obstructs it. Of two paths A and B
-with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half:
-out by A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
-knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range,
-as in `specular_paths`.
+with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2. The landings of each path bring one half of it:
+out by A, on which dΩ lands as on every path, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B),
+and for a knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B).
 
 Theory: docs/theory/refraction.md.
 """
@@ -19,9 +18,8 @@ from numpy.typing import NDArray
 from insonify.compiler.jit import inlined, kernel
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.scattering import bistatic_strength
-from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.caustics import follow_to_place
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle, empty_bundle, empty_hits
+from insonify.kernels.rays.cell_walk import NO_HIT, RayBundle, empty_bundle, empty_hits
 from insonify.kernels.rays.refracted_hits import LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
 
@@ -71,7 +69,7 @@ def find_mixed_echoes(arrays, beam, waveguide, landings, weight, rays):
     for m in range(n):
         k = pairs[m]
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
-        if met.body[m] != NOTHING and apart < SEEN:
+        if met.body[m] != NO_HIT and apart < SEEN:
             bins[m], values[m], growth[m] = _mixed_echo(arrays, beam, weight[k], rays, k, other_rays, m)
             distance[m] = 0.5 * (rays.hits.distance[k] + met.distance[m])
     return MixedEchoes(pairs, ways, bins, values, distance, growth, others)
@@ -86,7 +84,7 @@ def _pair_paths(waveguide, z, landings, rays, weight):
     found = np.empty(MOST_WAYS + 1)
     count = 0
     for k in range(weight.size):
-        if hits.body[k] == NOTHING or weight[k] == 0.0:
+        if hits.body[k] == NO_HIT or weight[k] == 0.0:
             continue
         found[0], ways = math.asin(bundle.dz[k]), 1
         x, height = arrivals.x[k], arrivals.z[k]
@@ -182,19 +180,16 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
         # The same pair in reverse order has no ray of its own: rays end at the reach.
         value += bistatic_strength(other, cosine, mirrored, row[0], row[1], row[2], law)
     value *= passed * weight
-    growth = arrivals.tube[k] * _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
+    growth = arrivals.tube[k] * _pair_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
     growth *= 0.5 * arrays.water.reference / arrivals.speed[k]
-    if law == LIGHT:
-        value *= growth / arrays.bin_length
-    else:
-        value *= distance**4 / (cosine * back.tube[m] * back.spread[m]) * arrivals.focus[k] * back.focus[m]
-        if not fan:
-            value /= arrivals.spread[k]
+    value *= distance**4 / (cosine * back.tube[m] * back.spread[m]) * arrivals.focus[k] * back.focus[m]
+    if not fan:
+        value /= arrivals.spread[k]
     return b, value, growth
 
 
 @inlined
-def _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz):
+def _pair_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz):
     """Growth of the lengths of two ways to a landing as it moves with a tube 1 m wide that comes by the first."""
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     ux, uy, uz = -dz * dx / level, -dz * dy / level, level

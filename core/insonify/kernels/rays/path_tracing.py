@@ -1,7 +1,7 @@
 """Paths by specular reflection and refraction: the next surface of a path, and the split of its energy there.
 
-At every hit the energy splits: R0² goes on as in a mirror, 1 − R0² refracts into a closed body by Snell's law with the
-body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
+At every hit the energy splits: R0² is mirrored, 1 − R0² refracts into closed bodies by Snell's law with the body's
+speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
 mirrors, and the side of a mesh that faces inwards from the water turns a ray but lets nothing through.
 
 The width of the tube about a path follows from two ray differentials (Igehy 1999, "Tracing ray differentials"): how its
@@ -13,10 +13,10 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined, kernel
-from insonify.kernels.common.types import BED, SPHERE
-from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
+from insonify.kernels.common.types import BED
+from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid, normal_change
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
+from insonify.kernels.rays.cell_walk import NO_HIT, Ray, meet_bed
 
 WATER = -3  # place of a path that is in no body
 OFFSET = 1e-13  # share of all lengths by which a path starts off the surface that it leaves
@@ -56,7 +56,7 @@ class Intersection(NamedTuple):
     """The next surface that a path meets."""
 
     distance: float
-    body: int  # NOTHING if it meets nothing
+    body: int  # NO_HIT if it meets nothing
     material: int
     nx: float  # unit normal on the path's side
     ny: float
@@ -124,8 +124,7 @@ def _reflect_path(arrays, path, meeting, cosine, share):
     """Path after specular reflection, with a share of the energy."""
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
     off = offset_from_surface(path.x, path.y, path.z, path.length)
-    bent = differentiate_normal(arrays.solids, path.up, path, meeting)
-    bent_across = differentiate_normal(arrays.solids, path.across, path, meeting)
+    bent, bent_across = _normal_changes(arrays.solids, path, meeting)
     up = reflect(path.up, cosine, path, meeting, bent)
     across = reflect(path.across, cosine, path, meeting, bent_across)
     return SpecularPath(
@@ -141,8 +140,7 @@ def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
     off = offset_from_surface(path.x, path.y, path.z, path.length)
     bend = speeds * cosine - root
-    bent = differentiate_normal(arrays.solids, path.up, path, meeting)
-    bent_across = differentiate_normal(arrays.solids, path.across, path, meeting)
+    bent, bent_across = _normal_changes(arrays.solids, path, meeting)
     up = refract(path.up, cosine, speeds, root, path, meeting, bent)
     across = refract(path.across, cosine, speeds, root, path, meeting, bent_across)
     return SpecularPath(
@@ -175,7 +173,7 @@ def meet_next(arrays, path, reach):
 @kernel
 def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
     """Nearest surface of a scene along a straight ray."""
-    best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
+    best, body, material, mx, my, mz = reach, NO_HIT, 0, 0.0, 0.0, 0.0
     for k in range(arrays.solids.shape.size):
         distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)
         if distance < best:
@@ -206,7 +204,7 @@ def _leave_solids(solids, path):
         if other < 0:
             return Intersection(total - off, body, solids.material[body], -nx, -ny, -nz)
         body = other
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NO_HIT, 0, 0.0, 0.0, 0.0)
 
 
 @inlined
@@ -237,7 +235,7 @@ def _leave_mesh(arrays, path):
         if mesh.target[triangle] == target and outwards > 0.0:
             return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
         total += off
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NO_HIT, 0, 0.0, 0.0, 0.0)
 
 
 @inlined
@@ -280,28 +278,16 @@ def refract(shift, cosine, speeds, root, path, surface, bent):
 
 
 @inlined
-def differentiate_normal(solids, shift, path, surface):
-    """Change of a surface's normal along a differential; zero on facets and on the bed's cells."""
-    k, nx, ny, nz = surface.body, surface.nx, surface.ny, surface.nz
+def _normal_changes(solids, path, surface):
+    """Find how a surface's normal changes along both differentials of a ray; facets and the bed's cells are flat."""
+    k, up, across = surface.body, path.up, path.across
     if not 0 <= k < solids.shape.size:
-        return 0.0, 0.0, 0.0
-    px, py, pz = path.x - solids.start[k, 0], path.y - solids.start[k, 1], path.z - solids.start[k, 2]
-    if solids.shape[k] == SPHERE:
-        # Positive where the normal points outwards.
-        over = math.copysign(1.0 / solids.radius[k], px * nx + py * ny + pz * nz)
-        return shift.x * over, shift.y * over, shift.z * over
-    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
-    slope = math.sqrt(1.0 + taper * taper)
-    if abs(abs(nx * ax + ny * ay + nz * az) * slope - abs(taper)) > 1e-6 * slope:
-        return 0.0, 0.0, 0.0
-    along = px * ax + py * ay + pz * az
-    rx, ry, rz = px - along * ax, py - along * ay, pz - along * az
-    radius = max(math.sqrt(rx * rx + ry * ry + rz * rz), 1e-300)
-    # The side is curved around the axis and straight along it.
-    cx, cy, cz = (ay * rz - az * ry) / radius, (az * rx - ax * rz) / radius, (ax * ry - ay * rx) / radius
-    over = math.copysign(1.0 / (radius * slope), rx * nx + ry * ny + rz * nz)
-    over *= shift.x * cx + shift.y * cy + shift.z * cz
-    return over * cx, over * cy, over * cz
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    point, normal = (path.x, path.y, path.z), (surface.nx, surface.ny, surface.nz)
+    return (
+        normal_change(solids, k, point, normal, (up.x, up.y, up.z)),
+        normal_change(solids, k, point, normal, (across.x, across.y, across.z)),
+    )
 
 
 @inlined

@@ -29,7 +29,7 @@ from insonify.kernels.rays.cast import (
     make_waveguide,
     weigh_by_pattern,
 )
-from insonify.kernels.rays.cell_walk import NOTHING, empty_bundle, empty_hits, find_first_hits
+from insonify.kernels.rays.cell_walk import NO_HIT, empty_bundle, empty_hits, find_first_hits
 from insonify.kernels.rays.launch import (
     aim_rays,
     cone_azimuth,
@@ -68,7 +68,7 @@ class SheetEchoes(NamedTuple):
 
     angle: NDArray[np.float64]  # (n,) elevation, rad
     distance: NDArray[np.float64]  # (n,) slant range, m, infinite where nothing is met
-    surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NOTHING
+    surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NO_HIT
     value: NDArray[np.float64]  # (n,) per radian of elevation
     growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
     dark: NDArray[np.float64]  # (n,) value of the echo from the dark side of a caustic
@@ -118,7 +118,7 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
     fan, angle = SheetFan(pitch, near[:bodies], waveguide, landings), _elevations(launch.up, top)
     for sheet in range(sheets):
         place = (sheet + 0.5) / sheets
-        density, rays_out = _trace_rays(arrays, beam, fan, angle, place)
+        density, rays_out = _follow_rays(arrays, beam, fan, angle, place)
         _add_path(arrays, beam, fan, place, DIRECT, _echo_direct(arrays, beam, angle, density, rays_out), sums)
         if landings.fold < math.inf:
             # The mixed echoes out along the rays of the sheet, one path back after the other.
@@ -137,7 +137,7 @@ def _add_path(arrays, beam, fan, place, way, landed, sums):
     while landed.angle.size > 0:
         gaps = _spread_or_split(landed, together, arrays.solids.shape.size, folds, arrays, sums)
         halfway = 0.5 * (landed.angle[gaps] + landed.angle[gaps + 1])
-        density, rays = _trace_rays(arrays, beam, fan, halfway, place)
+        density, rays = _follow_rays(arrays, beam, fan, halfway, place)
         if way == DIRECT:
             middles = _echo_direct(arrays, beam, halfway, density, rays)
         else:
@@ -161,7 +161,7 @@ def _elevations(up, top):
 
 
 @kernel
-def _trace_rays(arrays, beam, fan, angle, place):
+def _follow_rays(arrays, beam, fan, angle, place):
     """Rays of one place within the beam at given elevations, and the weight of each per radian of elevation."""
     bundle, density = _send(arrays, beam, fan.pitch, angle, place)
     if arrays.water.bent:
@@ -179,7 +179,7 @@ def _no_echoes(arrays, angle, rays):
     """Echoes of rays of a sheet that return nothing."""
     n = angle.size
     landed = SheetEchoes(
-        angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        angle, np.full(n, math.inf), np.full(n, NO_HIT), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros(n, np.bool_),
     )  # fmt: skip
     if arrays.water.bent:

@@ -17,7 +17,7 @@ from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
 from insonify.kernels.rays.caustics import LEAST, MOST_ARCS, field_at_caustic
-from insonify.kernels.rays.cell_walk import NOTHING, Hits, Ray, RayBundle, meet_bed
+from insonify.kernels.rays.cell_walk import NO_HIT, Hits, Ray, RayBundle, meet_bed
 from insonify.kernels.rays.launch import ball_about, box_about
 from insonify.kernels.rays.march import march_chord
 from insonify.kernels.rays.path_tracing import Intersection
@@ -252,7 +252,7 @@ def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
 @inlined_uncounted
 def _meet_chords(bed, solids, mesh, near, zone, chords, count, marches):
     """First surface that a ray meets, and on which chord: exactly, or by one sample at the end of each in a march."""
-    best, body, material, mx, my, mz = math.inf, NOTHING, 0, 0.0, 0.0, 0.0
+    best, body, material, mx, my, mz = math.inf, NO_HIT, 0, 0.0, 0.0, 0.0
     for c in range(count):
         way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
         best, inside = chords[c, LENGTH] + OVERLAP, False
@@ -275,18 +275,18 @@ def _meet_chords(bed, solids, mesh, near, zone, chords, count, marches):
             if distance < best:
                 best, body, material, mx, my, mz = distance, BED, row, nx, ny, nz
             inside = distance != distance  # a ray inside the bed ends there
-        if body != NOTHING or inside:
+        if body != NO_HIT or inside:
             return c, Intersection(best, body, material, mx, my, mz)
-    return 0, Intersection(best, NOTHING, 0, 0.0, 0.0, 0.0)
+    return 0, Intersection(best, NO_HIT, 0, 0.0, 0.0, 0.0)
 
 
 @inlined_uncounted
 def _arrive(water, rays, n, plane, level, reach, chord, begins, meeting):
     """Arrival of a ray at its hit, along the arc of the chord that was hit."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
-    hits.distance[n], hits.body[n], hits.material[n] = math.inf, NOTHING, 0
+    hits.distance[n], hits.body[n], hits.material[n] = math.inf, NO_HIT, 0
     hits.nx[n], hits.ny[n], hits.nz[n] = 0.0, 0.0, 0.0
-    if meeting.body == NOTHING:
+    if meeting.body == NO_HIT:
         return
     distance = meeting.distance
     low, high, x_end, z = -math.inf, math.inf, math.inf, chord[Z] + distance * chord[DZ]

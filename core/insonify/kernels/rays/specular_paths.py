@@ -12,9 +12,7 @@ w / (a cos α) per area across X, and two echoes of it come back:
 
 The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that the two enter as
 w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic, where a vanishes, it counts as no less than a share
-of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
-|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, uses the tube's width in elevation alone. A surface scatters
-to the water alone.
+of s². A knife, 1 m wide at all ranges, uses the tube's width in elevation alone. A surface scatters to the water alone.
 
 Theory: docs/theory/scattering.md.
 """
@@ -28,7 +26,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.cell_walk import NO_HIT
 from insonify.kernels.rays.path_tracing import (
     WATER,
     Intersection,
@@ -50,7 +48,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
     """Add the echoes of one side's rays after their first hits to the range bins."""
     fan, reach = arrays.half_width > 0.0, arrays.bins * arrays.bin_length
     for k in range(weight.size):
-        if hits.body[k] == NOTHING or weight[k] == 0.0:
+        if hits.body[k] == NO_HIT or weight[k] == 0.0:
             continue
         meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path = advance_to(arrays, start_path(bundle, k), meeting)
@@ -66,7 +64,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
             path = waiting.pop()
             # Beyond twice the range even a mixed echo comes too late.
             meeting = meet_next(arrays, path, 2.0 * reach - path.length)
-            if meeting.body == NOTHING:
+            if meeting.body == NO_HIT:
                 continue
             path = advance_to(arrays, path, meeting)
             if path.inside == WATER:
@@ -95,7 +93,7 @@ def follow_specular_paths(arrays, bundle, reach):
         while len(waiting) > 0:
             path = waiting.pop()
             meeting = meet_next(arrays, path, reach - path.length)
-            if meeting.body == NOTHING:
+            if meeting.body == NO_HIT:
                 continue
             path = advance_to(arrays, path, meeting)
             numbers.append((k, path.bounce, meeting.body))
@@ -118,9 +116,7 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
     value = bistatic_strength(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], arrays.law)
     value *= path.share * path.share * weight
     up, squared = path.up, path.length * path.length
-    if arrays.law == LIGHT:
-        value *= abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / arrays.bin_length
-    elif fan:
+    if fan:
         value *= squared * squared / (cosine * max(tube_area(up, path.across) * cosine, CAUSTIC * squared))
     else:
         width = math.sqrt(up.x * up.x + up.y * up.y + up.z * up.z)
@@ -150,7 +146,7 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting, reach):
         return distance, 0.0
     off = offset_from_surface(path.x, path.y, path.z, path.length)
     blocker = meet_scene(arrays, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
-    if blocker.body != NOTHING:
+    if blocker.body != NO_HIT:
         return distance, 0.0
     row, up = arrays.reflectivity[meeting.material], path.up
     mirrored = 2.0 * cosine * straight - (sx * path.dx + sy * path.dy + sz * path.dz)

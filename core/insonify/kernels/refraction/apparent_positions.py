@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import NOTHING, inlined, inlined_uncounted, kernel_on_demand
+from insonify.compiler.jit import NOTHING, inlined, inlined_uncounted, kernel_separate
 
 COLUMNS = 4
 LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad
@@ -57,7 +57,7 @@ def no_apparent_tables() -> ApparentTables:
     return ApparentTables(False, np.zeros((0, 2, 2, COLUMNS), np.float32), 0.0, 1.0, 0.0, 1.0, 1.0, 1.0)
 
 
-@kernel_on_demand(NOTHING, counting=True)
+@kernel_separate(NOTHING, counting=True)
 def _interpolate_table(bending, z, table):
     """Table of a sonar between the heights of two tables."""
     place = (z - bending.sonar_low) / bending.sonar_step
@@ -113,7 +113,7 @@ def _locate_cell(grid, x, z):
     return i, j, np.float32(u - i), np.float32(v - j)
 
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def apply_apparent_positions(table, grid, one_wide, profile, count):
     """Put the knots of a profile at their apparent positions, in place.
 

@@ -101,7 +101,7 @@ def advance_in_layers(height, speed, ray, x_end, low, high):
 
 @inlined
 def find_layer(height, speed, ray):
-    """Layer in which a ray goes on."""
+    """Layer that a ray enters next."""
     k = node_below(height, ray.z)
     g = gradient_above(height, speed, k)
     on_node = k >= 0 and ray.z - height[k] <= SNAP

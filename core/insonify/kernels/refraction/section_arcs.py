@@ -119,7 +119,7 @@ def _enter_triangle(ray, dgx, dgz):
 
 @inlined
 def find_triangle(height, speed, station, plane, ray):
-    """Triangle in which a ray goes on."""
+    """Triangle that a ray enters next."""
     place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
     i, j = arcs.node_below(station, place), arcs.node_below(height, ray.z)
     on_station = i >= 0 and place - station[i] <= arcs.SNAP

@@ -276,7 +276,7 @@ def transform_distribution(field, table, first, per_octave, place):
     field : ndarray of float32, shape (n, 2, bins)
         Transformed in place.
     table : ndarray of float32, shape (rows, columns)
-        log₂ of the new value; below the table its first slope goes on.
+        log₂ of the new value; below the table its first slope continues.
     first : float
         log₂ of the old value in the first column.
     per_octave : float

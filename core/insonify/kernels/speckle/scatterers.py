@@ -22,7 +22,7 @@ from insonify.kernels.common.streams import BED_SCATTERERS, TARGET_SCATTERERS
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
-from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_cell, meet_bed
+from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_bed_cell, meet_bed
 from insonify.kernels.rays.launch import beam_touches_ball, list_solids_in_beam, orient_beam
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
@@ -365,7 +365,7 @@ def _bed_at(heights, materials, grid, x, y):
     rows, columns = heights.shape
     inside = 0 <= i < columns - 1 and 0 <= j < rows - 1
     row, column = (j, i) if inside else (j % rows, i % columns)
-    cell = load_cell(heights, row, column)
+    cell = load_bed_cell(heights, row, column)
     u, v = u - i, v - j
     nx, ny, nz = cell_normal(cell, u, v, spacing)
     height = cell.a + cell.b * u + (cell.c + cell.d * u) * v

@@ -28,7 +28,7 @@ class SurfacePatches(NamedTuple):
 
 
 class SurfacePatch(NamedTuple):
-    """One patch by itself: numbers alone."""
+    """One patch as plain numbers."""
 
     kind: int
     low: float

@@ -68,7 +68,7 @@ class SegmentPieces(NamedTuple):
 def empty_pieces(zbuffer: AngularZbuffer) -> SegmentPieces:
     """Make room for the pieces of any segment."""
     room = EACH_CELL * (zbuffer.edge.size + 1)
-    return SegmentPieces(*np.zeros((2, room)), np.zeros(room, np.int64))
+    return SegmentPieces(np.zeros(room), np.zeros(room), np.zeros(room, np.int64))
 
 
 class BedView(NamedTuple):

@@ -102,7 +102,7 @@ def note_stretches(rows, n, waves, bin_length, path, contributions):
         row, owner = rows[k], int(rows[k, OWNER])
         if owner != before:
             before = owner
-            owner += path * contributions.count if owner < contributions.first_hidden else 0
+            owner += path * contributions.per_path if owner < contributions.first_hidden else 0
             open_contributor(contributions, owner)
             own = contributor_row(contributions, owner)
         x, change = row[X_FROM], row[X_TO] - row[X_FROM]
@@ -121,7 +121,7 @@ def note_stretches(rows, n, waves, bin_length, path, contributions):
 @kernel_on_demand(NOTHING)
 def note_whole_segments(x, r, range_ratio, material, cos_squared, density, count, path, bin_length, contributions):
     """Note every segment of a profile that is visible whole; its energy is spread evenly over its slant range."""
-    per_bin, first_row, row = 1.0 / bin_length, path * contributions.count, -1
+    per_bin, first_row, row = 1.0 / bin_length, path * contributions.per_path, -1
     own = contributor_row(contributions, 0)
     for i in range(count - 1):
         if density[i] == 0.0:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.compiler.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.compiler.jit import inlined, inlined_before_typing, inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
 from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
@@ -67,6 +67,22 @@ class AzimuthFan(NamedTuple):
         """Return some of the planes, by a mask, by their places or by a slice."""
         columns: list[Any] = [np.ascontiguousarray(column[which]) for column in self]
         return AzimuthFan(*columns)
+
+
+class LaidPlanes(NamedTuple):
+    """Planes of the beams of pings; pings that are alike share theirs."""
+
+    fan: AzimuthFan  # planes of all pings, those of each together in the order of their azimuths
+    first: NDArray[np.int64]  # (n,) first plane of each ping
+    last: NDArray[np.int64]  # (n,) plane after its last one
+
+    def of_pings(self, which: Any) -> "LaidPlanes":
+        """Return the planes of some pings, by their places, a mask or a slice."""
+        return LaidPlanes(self.fan, self.first[which], self.last[which])
+
+    def of(self, ping: int) -> AzimuthFan:
+        """Return the planes of one ping."""
+        return self.fan.take(slice(self.first[ping], self.last[ping]))
 
 
 class SweepWorkspace(NamedTuple):
@@ -153,7 +169,7 @@ def _sweep_bed(arrays, plane, sector, cells, count, workspace, sink):
 
 
 @kernel
-def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors, bin_errors):
+def sweep_pings(arrays, poses, laid, apparent, workspace, sums, out, errors, bin_errors):
     """Sweep every plane of every ping, and estimate what their sum misses.
 
     Parameters
@@ -161,8 +177,8 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors, bin_
     arrays : SceneArrays
     poses : Poses
         n pings.
-    fan : AzimuthFan
-        The planes, in the order of their azimuths.
+    laid : LaidPlanes
+        Of n pings.
     apparent : ApparentTables
         Of water that refracts.
     workspace : SweepWorkspace
@@ -176,19 +192,18 @@ def sweep_pings(arrays, poses, fan, apparent, workspace, sums, out, errors, bin_
         Takes the error of every bin as an intensity; without bins, none is found.
     """
     bins = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay)
-    shares = np.zeros((fan.azimuth.size, NODES + 1))
-    _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors)
+    _sweep_all(arrays, poses, laid, apparent, workspace, bins, sums, empty_shares(laid), out, errors, bin_errors)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out, errors, bin_errors):
+def _sweep_all(arrays, poses, laid, apparent, workspace, bins, sums, shares, out, errors, bin_errors):
     """Sweep every plane of every ping, without counting references."""
-    is_measured = can_measure(fan, errors)
     for ping in range(poses.x.size):
-        grid = prepare_table(apparent, poses.z[ping], workspace.table)
+        grid, fan = prepare_table(apparent, poses.z[ping], workspace.table), planes_of(laid, ping)
+        is_measured = can_measure(fan, errors)
         for side in range(2):
             if is_measured:
-                begin_measured(arrays, poses, ping, side, fan, sums, shares)
+                begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
                 sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
@@ -201,6 +216,31 @@ def _sweep_all(arrays, poses, fan, apparent, workspace, bins, sums, shares, out,
                 square_record(sums, arrays.range_factor, out[ping, side], errors[ping, side])
             else:
                 accumulate_bins(bins, arrays.range_factor, out[ping, side])
+
+
+@inlined_before_typing
+def planes_of(laid, ping):
+    """Planes of one ping."""
+    a, b, fan = laid.first[ping], laid.last[ping], laid.fan
+    return AzimuthFan(
+        fan.azimuth[a:b], fan.s_low[a:b], fan.s_high[a:b], fan.angle[a:b], fan.far_angle[a:b], fan.near_field[a:b],
+        fan.reach[a:b], fan.apart[a:b],
+    )  # fmt: skip
+
+
+@inlined_uncounted
+def shares_planes(laid, ping):
+    """Whether a ping has the planes of the one before."""
+    return ping > 0 and laid.first[ping] == laid.first[ping - 1] and laid.last[ping] == laid.last[ping - 1]
+
+
+@inlined
+def empty_shares(laid):
+    """Room for the shares of the planes of a ping."""
+    most = 0
+    for ping in range(laid.first.size):
+        most = max(most, laid.last[ping] - laid.first[ping])
+    return np.zeros((most, NODES + 1))
 
 
 @inlined_uncounted
@@ -217,10 +257,10 @@ def reach_in_bins(arrays, z, reach):
 
 
 @kernel_uncounted
-def begin_measured(arrays, poses, ping, side, fan, sums, shares):
+def begin_measured(arrays, poses, ping, side, fan, is_fan_shared, sums, shares):
     """Clear the sums of a side, and weigh its planes unless those of the ping before are weighed alike."""
     begin_side(sums)
-    if side == PORT and ping > 0 and _is_posed_alike(poses, ping):
+    if side == PORT and is_fan_shared and _is_posed_alike(poses, ping):
         return
     if side != PORT and poses.roll[ping] == 0.0:
         return
@@ -228,7 +268,8 @@ def begin_measured(arrays, poses, ping, side, fan, sums, shares):
     for k in range(fan.azimuth.size):
         _, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
         weigh_plane(sums, arrays, poses.z[ping], sector, shares[k])
-    share_planes(sums, shares)
+    share_planes(sums, shares[: fan.azimuth.size])
+    shares[fan.azimuth.size :] = 0.0  # rows of planes of an image alone, which have none
 
 
 @inlined_uncounted

@@ -75,7 +75,7 @@ def find_visible_echoes(profile, count, plane, arrays, sector, hidden_from, hidd
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         x = x[: count if sector.tabulated else knots]
         weigh_knots(x, z, echoes.r, sector, arrays.pattern, arrays.law, FINE_SINE, sample_room(echoes), echoes.weight)
-        if sector.bent and arrays.law != LIGHT:
+        if sector.bent:
             _apply_gain(knots, profile.gain, echoes.weight)
         _apply_weights(knots, echoes.weight, echoes.scale)
     cos_squared, scale, table = echoes.cos_squared, echoes.scale, arrays.reflectivity

@@ -9,9 +9,8 @@ apparent position. Derived in docs/theory/refraction.md.
 import math
 from typing import NamedTuple
 
-from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_on_demand
-from insonify.kernels.common.types import LIGHT, SPHERE
-from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, section_solid
+from insonify.compiler.jit import TWO_INTEGERS, inlined_uncounted, kernel_separate
+from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, middle_of_section, section_solid
 from insonify.kernels.refraction.apparent_positions import look_up_position
 
 SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are exact and its rays' opening is taken
@@ -89,14 +88,13 @@ def plane_from_source(source, plane):
     return HalfPlane(x, y, plane.z + source.source_z, plane.ex, plane.ey)
 
 
-@kernel_on_demand(TWO_INTEGERS)
+@kernel_separate(TWO_INTEGERS)
 def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies, primitives):
     """Put the primitives of a z-buffer to their apparent positions, in place, and drop those seen edge-on."""
-    loud = arrays.law != LIGHT
     kept = 0
     for p in range(bodies):
         k, rim = zbuffer.body[p], zbuffer.rim[kept]
-        source = _apparent_source_of_solid(arrays.solids, k, plane, one_wide, loud, table, grid)
+        source = _apparent_source_of_solid(arrays.solids, k, plane, one_wide, table, grid)
         is_cut, low, high = section_solid(arrays.solids, k, plane_from_source(source, plane), rim)
         if is_cut:
             for end in range(rim.size):
@@ -105,7 +103,7 @@ def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies
             kept = _keep_primitive(zbuffer, kept, k, source, max(low, DOWN), min(high, UP))
     bodies_kept = kept
     for p in range(bodies, primitives):
-        source = _apparent_source_of_line(zbuffer.line[p], one_wide, loud, table, grid)
+        source = _apparent_source_of_line(zbuffer.line[p], one_wide, table, grid)
         for end in range(4):
             zbuffer.line[kept, end] = zbuffer.line[p, end]
         line = zbuffer.line[kept]
@@ -125,15 +123,13 @@ def _keep_primitive(zbuffer, kept, body, source, low, high):
 
 
 @inlined_uncounted
-def _energy_gain(wide, tube, one_wide, loud):
-    """Factor by which refraction multiplies a primitive's energy, as for a profile; law LIGHT has no spreading."""
-    if not loud:
-        return 1.0
+def _energy_gain(wide, tube, one_wide):
+    """Factor by which refraction multiplies a primitive's energy, as for a profile."""
     return (wide * wide if one_wide else wide) / tube
 
 
 @inlined_uncounted
-def _apparent_source_of_line(line, one_wide, loud, table, grid):
+def _apparent_source_of_line(line, one_wide, table, grid):
     """Put the ends of a triangle's line at their apparent positions; return what else refraction does to it."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
     wide, _, tube, turn = look_up_position(table, grid, x, z)
@@ -141,14 +137,14 @@ def _apparent_source_of_line(line, one_wide, loud, table, grid):
         level, rise, _, _ = look_up_position(table, grid, line[end], line[end + 1])
         line[end] *= 1.0 + level
         line[end + 1] += rise
-    gain = _energy_gain(1.0 + wide, 1.0 + tube, one_wide, loud)
+    gain = _energy_gain(1.0 + wide, 1.0 + tube, one_wide)
     return ApparentSource(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
 
 
 @inlined_uncounted
-def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
+def _apparent_source_of_solid(solids, k, plane, one_wide, table, grid):
     """Apparent source of a convex body, from the ray to the middle of its cross-section."""
-    x, z = _middle_of_section(solids, k, plane)
+    x, z = middle_of_section(solids, k, plane)
     wide, rise, tube, turn = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
@@ -169,7 +165,7 @@ def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
         opening,
         near_r - gauge * (away - ahead),
         gauge,
-        _energy_gain(1.0 + wide, 1.0 + tube, one_wide, loud),
+        _energy_gain(1.0 + wide, 1.0 + tube, one_wide),
         1.0 + wide,
         x - away * c,
         z - away * s,
@@ -183,21 +179,3 @@ def _wavefront(x, z, table, grid):
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = math.sqrt(seen_x * seen_x + seen_z * seen_z)
     return r, (1.0 + tube) * r
-
-
-@inlined_uncounted
-def _middle_of_section(solids, k, plane):
-    """Ground range and height above the sonar of the middle of a body's cross-section."""
-    x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
-    if solids.shape[k] == SPHERE:
-        return x * plane.ex + y * plane.ey, z
-    # The part of the axis that is nearer to the plane than the body is thick.
-    length, thick = solids.length[k], solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
-    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    across, rate = x * plane.ey - y * plane.ex, ax * plane.ey - ay * plane.ex
-    begin, end = 0.0, length
-    if rate != 0.0:
-        one, other = (-thick - across) / rate, (thick - across) / rate
-        begin, end = max(begin, min(one, other)), min(end, max(one, other))
-    along = min(max(0.5 * (begin + end), 0.0), length)
-    return (x + along * ax) * plane.ex + (y + along * ay) * plane.ey, z + along * az

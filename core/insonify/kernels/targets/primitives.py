@@ -7,8 +7,7 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined_uncounted
-from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.solids import FrustumShape, frustum_normal, intersect_frustum, intersect_sphere
+from insonify.kernels.geometry.cross_sections import meet_solid
 from insonify.kernels.targets.apparent_targets import ApparentSource, arrival_direction, plane_from_source
 
 TRIANGLE = 2  # beside SPHERE and FRUSTUM
@@ -86,24 +85,7 @@ def _meet_straight(primitive, c, s):
         # Triangles scatter from both sides.
         facing, lean = c * primitive.level_x + s * primitive.level_y, c * primitive.level_y - s * primitive.level_x
         return (distance if distance > 0.0 else math.inf), abs(facing), math.copysign(1.0, facing) * lean
-    dx, dy = c * primitive.level_x, c * primitive.level_y
-    if primitive.kind == SPHERE:
-        distance, _ = intersect_sphere(primitive.x, primitive.y, primitive.z, primitive.radius, dx, dy, s)
-        inwards = (primitive.x * dx + primitive.y * dy + primitive.z * s - distance) / primitive.radius
-        level = primitive.x * primitive.level_x + primitive.y * primitive.level_y
-        return (distance if distance > 0.0 else math.inf), inwards, (c * primitive.z - s * level) / primitive.radius
-    frustum = FrustumShape(
-        primitive.x, primitive.y, primitive.z, primitive.ax, primitive.ay, primitive.az, primitive.length,
-        primitive.radius, primitive.taper,
-    )  # fmt: skip
-    distance, face, _, _ = intersect_frustum(frustum, dx, dy, s)
-    if not 0.0 < distance < math.inf:
-        return math.inf, 0.0, 0.0
-    px, py, pz = distance * dx - primitive.x, distance * dy - primitive.y, distance * s - primitive.z
-    nx, ny, nz = frustum_normal(
-        px, py, pz, primitive.ax, primitive.ay, primitive.az, primitive.radius, primitive.taper, face
-    )
-    return distance, -(nx * dx + ny * dy + nz * s), s * (nx * primitive.level_x + ny * primitive.level_y) - c * nz
+    return meet_solid(primitive, c, s)
 
 
 @inlined_uncounted

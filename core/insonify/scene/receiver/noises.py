@@ -17,7 +17,7 @@ class NoiseConditions(NamedTuple):
     """Conditions on which the level of noise depends besides its own fields."""
 
     frequency: float  # carrier, Hz
-    bandwidth: float  # Hz, of the noise that passes the receiver's filter, of which the gain at its peak is 1
+    bandwidth: float  # Hz, of the noise that passes the receiver's filter; the filter's greatest gain is 1
     directivity: float  # dB by which the array receives less of isotropic noise than a point does
     bed_level: Callable[[float], float]  # mean level in dB of the bed's echo at a slant range in metres
 

@@ -1,4 +1,4 @@
-"""Presets of sonars: numbers of a class of sonars, of which a scene takes what it does not give itself."""
+"""Presets of sonars: numbers of a class of sonars, which a scene takes where it gives none."""
 
 import tomllib
 from functools import cache

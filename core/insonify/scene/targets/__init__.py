@@ -5,6 +5,7 @@ from typing import Annotated, Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
 
 from insonify.arrays import Floats
 from insonify.errors import SceneError
@@ -130,6 +131,15 @@ class Target(Declaration):
         return heights
 
     @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """Paths of the numbers that a drag scales to ``resize`` the target, ``thicken`` it across or ``raise`` its top.
+
+        By default a drag resizes all lengths in metres that the kind declares and that must be positive.
+        """
+        own = type(self).model_fields.items()
+        return {"resize": tuple(name for name, field in own if name not in Posed.model_fields and _is_length(field))}
+
+    @property
     def pit(self) -> Pit | None:
         """What the target does to the bed around it."""
         return None
@@ -183,6 +193,12 @@ class Posed(Body):
     def attitude(self) -> tuple[float, float, float]:
         """Heading, pitch and roll, in degrees."""
         return self.heading, self.pitch, self.roll
+
+
+def _is_length(field: FieldInfo) -> bool:
+    """Whether a field is in metres and must be positive."""
+    positive = any(getattr(bound, "gt", -1.0) >= 0.0 or getattr(bound, "ge", 0.0) > 0.0 for bound in field.metadata)
+    return positive and isinstance(field.json_schema_extra, dict) and field.json_schema_extra.get("unit") == "m"
 
 
 AnyTarget = Annotated[Target, KindOf(TARGETS)]

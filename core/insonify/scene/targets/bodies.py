@@ -38,6 +38,12 @@ class Box(Posed, kind="box", rank=3):
         log=True,
     )
 
+    @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """All sides; width and height; the height."""
+        length, *across = (f"size.{side}" for side in range(3))
+        return {"resize": (length, *across), "thicken": tuple(across), "raise": tuple(across[1:])}
+
     def shape(self) -> Shape:
         """Twelve triangles."""
         return Shape(triangles=block(self.size), closed=True)
@@ -48,6 +54,11 @@ class Cone(Posed, kind="cone", rank=4):
 
     radius: float = metres(0.5, "radius of the base", (0.05, 2.0), least=LEAST, most=100.0)
     height: float = metres(1.0, "from the base to the apex", (0.05, 5.0), least=LEAST, most=1000.0)
+
+    @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """Radius and height; the height."""
+        return super().sizes | {"thicken": ("height",)}
 
     def shape(self) -> Shape:
         """Return a frustum that ends in a point."""

@@ -30,6 +30,11 @@ class MeshFile(Posed, kind="mesh", rank=5):
         return Shape(triangles=self.scale * (corners - centre), closed=_measured(self.path)[2])
 
     @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """Its scale."""
+        return {"resize": ("scale",)}
+
+    @property
     def outline(self) -> Outline:
         """Measures of the shape; each version of the file is measured once."""
         size, count, _ = _measured(self.path)

@@ -57,6 +57,11 @@ class Pipe(Target, kind="pipe", rank=1):
             raise ValueError("a pipe with a pitch is straight; give its gap as one number or leave pitch out")
         return self
 
+    @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """Length; radius."""
+        return {"resize": ("length",), "thicken": ("radius",)}
+
     def shape(self) -> Shape:
         """Return a cylinder along the x axis."""
         ahead = np.array([self.length / 2.0, 0.0, 0.0])

@@ -55,6 +55,11 @@ class Sunken(Posed):
         """Beam or span, in metres."""
 
     @property
+    def sizes(self) -> dict[str, tuple[str, ...]]:
+        """Its length, by which all else is measured that is not given."""
+        return {"resize": ("length",)}
+
+    @property
     def pit(self) -> Pit | None:
         """Scour about its length and breadth."""
         if self.scour == 0.0:

@@ -10,9 +10,9 @@ from insonify.scene.base import Coordinate, Family, Kind, KindOf, angle, decibel
 
 VOLUMES = Family("volumes", "insonify.scene.volumes")
 SPACING = 0.15  # m, between the points by which a volume is sampled
-FEWEST, MOST = 1000, 200_000  # points of a volume
+FEWEST_POINTS, MOST_POINTS = 1000, 200_000  # points of a volume
 # Steps of the evenest sequence in three dimensions (Roberts 2018): powers of the inverse root of x⁴ = x + 1.
-STEPS = 1.2207440846057596 ** -np.arange(1.0, 4.0)
+SEQUENCE_STEPS = 1.2207440846057596 ** -np.arange(1.0, 4.0)
 
 
 class VolumeSamples(NamedTuple):
@@ -44,8 +44,8 @@ class Volume(Kind):
 
     def sample(self) -> VolumeSamples:
         """Points spread evenly over the volume where it lies."""
-        count = int(np.clip(self.cubic_metres / SPACING**3, FEWEST, MOST))
-        own = self.place(np.mod(0.5 + np.arange(1, count + 1)[:, None] * STEPS, 1.0))
+        count = int(np.clip(self.cubic_metres / SPACING**3, FEWEST_POINTS, MOST_POINTS))
+        own = self.place(np.mod(0.5 + np.arange(1, count + 1)[:, None] * SEQUENCE_STEPS, 1.0))
         c, s = math.cos(math.radians(self.heading)), math.sin(math.radians(self.heading))
         turned = np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1], own[:, 2]], axis=1)
         return VolumeSamples(turned + np.array(self.position), self.cubic_metres / count)

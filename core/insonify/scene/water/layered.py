@@ -25,7 +25,7 @@ MOST_PARTS = 4096  # samples of one interval between knots
 # A summer thermocline, the default of layered waters.
 DEPTHS = (0.0, 8.0, 16.0, 60.0)
 SPEEDS = (1520.0, 1519.0, 1501.0, 1500.0)
-MOST = 10_000  # points of a profile
+MOST_POINTS = 10_000  # points of a profile
 CAST_TOLERANCE = 0.02  # m/s, greatest error of the segments: the accuracy of a measured speed
 Interpolation = Literal["linear", "pchip"]
 Equation = Literal["paper", "mackenzie", "teos10"]
@@ -86,8 +86,8 @@ def approximate_pchip(places: Floats, values: Floats, tolerance: float) -> tuple
 
 def check_order(what: str, instead: str, places: tuple[float, ...]) -> tuple[float, ...]:
     """Return places, or raise ValueError if they do not increase."""
-    if not 2 <= len(places) <= MOST:
-        raise ValueError(f"must have from 2 to {MOST} points, not {len(places)}; {instead}")
+    if not 2 <= len(places) <= MOST_POINTS:
+        raise ValueError(f"must have from 2 to {MOST_POINTS} points, not {len(places)}; {instead}")
     for before, after in itertools.pairwise(places):
         if after <= before:
             fault = f"has {before:g} m twice" if after == before else f"goes from {before:g} back to {after:g} m"

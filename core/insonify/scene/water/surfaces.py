@@ -8,7 +8,6 @@ from insonify.scene.base import Family, Kind, describe_excess, parameter
 
 SURFACES = Family("surfaces", "insonify.scene.water")
 WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom", "surface_echo")
-GRAVITY = 9.81  # m/s²
 # Pierson and Moskowitz (1964): S(ω) = α g² ω⁻⁵ exp(−β (g / Uω)⁴).
 ALPHA, BETA = 8.1e-3, 0.74
 # Greatest wave number of the slopes, in rad/m: that of the shortest gravity waves (1.7 cm).
@@ -65,11 +64,14 @@ class RoughSurface(MirrorSurface, kind="rough", rank=30):
     wind_speed: float = parameter(
         5.0, "speed of the wind that raises the sea, 19.5 m above it", "m/s", ge=0.0, le=30.0, slider=(0.0, 15.0)
     )
+    gravity: float = parameter(
+        9.81, "gravity, which holds the waves down", "m/s²", ge=0.1, le=100.0, slider=(1.0, 25.0), rare=True
+    )
 
     @property
     def rms_height(self) -> float:
         """Rms height of the waves, in metres: h² = ∫ S dω = α U⁴ / (4 β g²)."""
-        return math.sqrt(ALPHA / (4.0 * BETA)) * self.wind_speed**2 / GRAVITY
+        return math.sqrt(ALPHA / (4.0 * BETA)) * self.wind_speed**2 / self.gravity
 
     @property
     def slope_variance(self) -> float:
@@ -80,7 +82,7 @@ class RoughSurface(MirrorSurface, kind="rough", rank=30):
 
         if self.wind_speed < CALM:
             return 0.0
-        squared = GRAVITY / (self.wind_speed**2 * FINEST)  # (g / Uω)²
+        squared = self.gravity / (self.wind_speed**2 * FINEST)  # (g / Uω)²
         return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
 
     def describe_limits(self, frequency: float) -> Iterator[str]:

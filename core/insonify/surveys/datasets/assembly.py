@@ -18,7 +18,7 @@ from insonify.surveys.storages import Pixels
 
 METADATA, SHEET, BALANCE = "metadata.jsonl", "contact-sheet.png", "class-balance.png"
 OF_SCENE = ("hash", "drawn")  # metadata of the scene of a tile
-COLUMNS, ROWS = 8, 6  # of the contact sheet
+SHEET_COLUMNS, SHEET_ROWS = 8, 6  # of the contact sheet
 SIDE, GAP = 176, 6  # pixels
 EMPTY = 0.15  # share of the sheet for tiles without a target
 COLOURS = {"echo": (255, 200, 60), "shadow": (80, 200, 255)}
@@ -68,8 +68,8 @@ class _ContactSheet:
 
     def __init__(self, specification: DatasetSpecification, folder: Path) -> None:
         self._specification, self._folder = specification, folder
-        empty = round(EMPTY * COLUMNS * ROWS) if specification.targets else COLUMNS * ROWS
-        self._room = {True: COLUMNS * ROWS - empty, False: empty}
+        empty = round(EMPTY * SHEET_COLUMNS * SHEET_ROWS) if specification.targets else SHEET_COLUMNS * SHEET_ROWS
+        self._room = {True: SHEET_COLUMNS * SHEET_ROWS - empty, False: empty}
         self._chosen: dict[bool, list[tuple[float, str, Mapping[str, Any]]]] = {True: [], False: []}
 
     def add(self, tile: Mapping[str, Any]) -> None:
@@ -92,10 +92,10 @@ def draw_sheet(path: Path, tiles: Sequence[tuple[Pixels, Mapping[str, Any]]]) ->
     """Draw tiles side by side with the boxes of their targets: a PNG picture."""
     from PIL import Image
 
-    rows = max(-(-len(tiles) // COLUMNS), 1)
-    sheet = Image.new("RGB", (COLUMNS * (SIDE + GAP) + GAP, rows * (SIDE + GAP) + GAP), PAPER)
+    rows = max(-(-len(tiles) // SHEET_COLUMNS), 1)
+    sheet = Image.new("RGB", (SHEET_COLUMNS * (SIDE + GAP) + GAP, rows * (SIDE + GAP) + GAP), PAPER)
     for number, tile in enumerate(tiles):
-        row, column = divmod(number, COLUMNS)
+        row, column = divmod(number, SHEET_COLUMNS)
         sheet.paste(_thumbnail(*tile), (GAP + column * (SIDE + GAP), GAP + row * (SIDE + GAP)))
     sheet.save(path, "png")
 

@@ -16,10 +16,10 @@ from insonify.surveys.storages import Tile
 
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
-STEPS = np.array([0.5, 1.0, 2.0, 5.0])  # of scale lines, times a power of ten
+SCALE_STEPS = np.array([0.5, 1.0, 2.0, 5.0])  # of scale lines, times a power of ten
 LEAST = 0.25  # of a target's length, which windows about its extent span at least
 NARROWEST = 16  # pixels of a picture
-PAST = 2  # pings and bins past a window, of which its outermost pixels take parts
+PAST = 2  # pings and bins past a window; its outermost pixels take parts of them
 
 
 def cut_chips(drawn: DrawnScene, record: Dataset, specification: DatasetSpecification) -> Iterator[Tile]:
@@ -68,7 +68,7 @@ def _cut(
     layers = [np.rot90(image, chip.turns), *turned]
     if chip.mirrored:
         layers = [layer[:, ::-1] for layer in layers]
-    # Pixels may be coarser or finer than bins, of which the share of a target within the window is a share.
+    # Pixels may be coarser or finer than bins; the share of a target within the window is one of bins.
     window = slice(int(rows[0]), math.ceil(rows[-1])), slice(int(columns[0]), math.ceil(columns[-1]))
     description = {
         "first_ping": window[0].start,
@@ -167,7 +167,7 @@ def _finish(image: Bytes, picture: Picture, near: float, far: float) -> Bytes:
     if picture.lines:
         draw, (width, height) = ImageDraw.Draw(made), made.size
         widest = (far - near) / picture.lines
-        spacing = max(step for step in STEPS * 10.0 ** math.floor(math.log10(widest)) if step <= widest)
+        spacing = max(step for step in SCALE_STEPS * 10.0 ** math.floor(math.log10(widest)) if step <= widest)
         for number in range(math.ceil(near / spacing), math.floor(far / spacing) + 1):
             x = (number * spacing - near) / (far - near) * width
             draw.line([(x, 0), (x, height)], fill=INK)

@@ -20,7 +20,7 @@ from insonify.tow.line import tow_line_at
 _Placed = tuple[list[float], "View"]
 SEED_BITS = 53  # of a drawn seed: every reader of JSON keeps it exactly
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-FARTHEST = 0.85  # of the ground range of the last bin, up to which targets lie
+FARTHEST_SHARE = 0.85  # of the ground range of the last bin, up to which targets lie
 PARTS = 9  # of the values of every distribution, from which scenes are drawn to check a specification
 ATTEMPTS = 200  # to find a place clear of the other targets
 DIGITS = 3  # of places, in metres
@@ -265,7 +265,7 @@ def _quantile(declared: Any, share: float) -> Any:
 def _anywhere(scene: Scene) -> Uniform:
     """Ground ranges from one altitude to most of the range."""
     altitude = scene.altitude
-    farthest = FARTHEST * math.sqrt(max(scene.sonar.range**2 - altitude**2, 0.0))
+    farthest = FARTHEST_SHARE * math.sqrt(max(scene.sonar.range**2 - altitude**2, 0.0))
     if farthest <= altitude:
         raise SceneError(
             f"targets: no ground range is left between the altitude of {altitude:g} m and sonar.range "

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from insonify.files import bundled_meshes
 from insonify.operating_system import is_portable
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError
+from insonify.scene import PLAIN_SCENE, Scene, SceneError
 from insonify.scene.base import Declaration, FilePath, KindOf, Words, parameter
 from insonify.surveys.annotations import ANNOTATIONS, AnnotationKind
 from insonify.surveys.distributions import Drawn, Uniform
@@ -22,7 +22,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 
 
 class TargetGroup(Declaration):
-    """Targets of one class, drawn anew for every scene."""
+    """Targets of one class, drawn again for every scene."""
 
     name: Name = parameter(description="class of the targets in annotations")
     of: tuple[Drawn, ...] = parameter(
@@ -194,7 +194,7 @@ class DatasetSpecification(Declaration):
     description: Words = parameter("", "a paragraph about it", max_length=5000)
     seed: int = parameter(1, "seed of all random draws", ge=0, le=2**63 - 1)
     scenes: int = parameter(100, "number of scenes", ge=1, le=10_000_000)
-    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file, from which all scenes are derived")
+    base: FilePath = parameter(PLAIN_SCENE, "bundled scene, or TOML file, from which all scenes are derived")
     set: dict[str, Drawn] = parameter({}, "fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), "classes of targets")
     groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")

@@ -24,7 +24,7 @@ SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the cla
 WHOLE = 0.95  # share of a target's bins in the connected parts of it that make its extent
 FAINTEST, BRIGHTEST = -25.0, 20.0  # dB about the bed, beyond which a level counts no further
 LEAST_SCATTER = 1.0  # dB, of a bed without speckle: smaller steps of grey are not seen
-BESIDE, MARGIN = 0.25, 6  # of the longer side of a target, and bins at least, in which the bed about it counts
+BESIDE, MARGIN_BINS = 0.25, 6  # of the longer side of a target, and bins at least, in which the bed about it counts
 
 
 class TargetShown(NamedTuple):
@@ -191,7 +191,7 @@ def _contrast(side: RecordSide, window: tuple[slice, slice], echo: Booleans, sha
     """Mean rise of levels in the echo and fall in the shadow, over the scatter of the bed's levels about both."""
     both = echo | shadow
     rows, columns = np.flatnonzero(both.any(axis=1)), np.flatnonzero(both.any(axis=0))
-    border = max(int(BESIDE * max(np.ptp(rows), np.ptp(columns))), MARGIN)
+    border = max(int(BESIDE * max(np.ptp(rows), np.ptp(columns))), MARGIN_BINS)
     about = tuple(
         slice(max(part.start + int(places[0]) - border, 0), part.start + int(places[-1]) + border + 1)
         for part, places in zip(window, (rows, columns))

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from insonify.io.records import RECORDS
-from insonify.scene import DEFAULT_SCENE
+from insonify.scene import PLAIN_SCENE
 from insonify.scene.base import Coordinate, Declaration, FilePath, Words, parameter
 from insonify.surveys import OVERLAPS
 
@@ -52,7 +52,7 @@ class SurveySpecification(Declaration):
 
     title: Words = parameter("Untitled", "what is surveyed", max_length=200)
     description: Words = parameter("", "a paragraph about it", max_length=5000)
-    base: FilePath = parameter(DEFAULT_SCENE, "bundled scene, or TOML file; its track is replaced")
+    base: FilePath = parameter(PLAIN_SCENE, "bundled scene, or TOML file; its track is replaced")
     set: dict[str, Any] = parameter({}, "fields of the scene by their paths")
     area: Area | None = parameter(None, "area that lines cover")
     lines: tuple[GivenLine, ...] = parameter((), "lines, instead of an area")

@@ -18,7 +18,7 @@ from insonify.surveys.mosaic import KMZ, PALETTE, PICTURED, Mosaic, make_mosaic,
 from insonify.surveys.swath import StoredSwaths
 
 PAGE = "index.html"
-WIDTH, HIGHEST = 11.0, 9.0  # inches
+FIGURE_WIDTH, HIGHEST = 11.0, 9.0  # inches
 DPI = 110
 COUNTS = ("#ffffff", "#8fc1c9", "#1f7a8c", "#0d3b46")  # none, one, two, more lines
 
@@ -80,7 +80,7 @@ def _draw(
 
     rows, columns = mosaic.level.shape
     left, top = mosaic.corner
-    figure = make_figure(WIDTH, min(max(WIDTH * rows / columns, 3.0), HIGHEST), layout="constrained")
+    figure = make_figure(FIGURE_WIDTH, min(max(FIGURE_WIDTH * rows / columns, 3.0), HIGHEST), layout="constrained")
     axes = figure.subplots()
     paint(axes, mosaic, (left, left + columns * mosaic.cell, top - rows * mosaic.cell, top))
     for track in tracks:

@@ -137,6 +137,7 @@ class JobsView(QWidget):
         super().__init__()
         self.setObjectName("panel")
         self.setWindowTitle("Jobs · insonify")
+        self.recording = ""  # file of the recording that is open, which is offered to a mosaic
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
         self.record = push_button(
@@ -223,7 +224,7 @@ class JobsView(QWidget):
     def _ask_for_mosaic(self) -> None:
         """Ask for records, and for the file of their mosaic."""
         formats = " ".join(f"*{suffix}" for suffix in RECORDS.readable())
-        names, _ = QFileDialog.getOpenFileNames(self, "Records of the mosaic", "", f"Records ({formats})")
+        names, _ = QFileDialog.getOpenFileNames(self, "Records of the mosaic", self.recording, f"Records ({formats})")
         if names:
             wanted = partial(self.mosaic_wanted.emit, [Path(name) for name in names])
             self._ask("Save the mosaic", "mosaic.tif", MOSAICS, wanted)

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QKeySequence, QPixmap, QShortcut
+from PySide6.QtGui import QColor, QIcon, QKeySequence, QPixmap, QShortcut
 from PySide6.QtWidgets import (
     QBoxLayout,
     QFrame,
@@ -18,6 +18,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.files import bundled_picture, bundled_scenes
+from insonify.io.atomic import write_text
 from insonify.lessons.courses import Course, group_lessons
 from insonify.lessons.lesson import Lesson
 from insonify.lessons.questions import Grade, Verdict
@@ -26,13 +28,14 @@ from insonify_viewer.errors import guard_override
 from insonify_viewer.panels.lessons.view.question_box import QuestionBox
 from insonify_viewer.widgets.buttons import light, make, make_label, push_button
 from insonify_viewer.widgets.layouts import fill
-from insonify_viewer.widgets.save_dialogs import save_pixmap
+from insonify_viewer.widgets.save_dialogs import print_markdown, save_pixmap
 from insonify_viewer.widgets.side_panel import ScrollColumn
 from insonify_viewer.widgets.theme import TEXT, lecture_scale
 
 USUAL = 1.2  # factor on the size of the text, which a lecture enlarges further
 HEADING = 1.25  # factor on the size of headings
 SIGNS = {Grade.RIGHT: "✓", Grade.CLOSE: "≈", Grade.WRONG: "✗", Grade.UNKNOWN: "→"}
+PICTURE = QSize(48, 32)  # px, of the record of a lesson
 NARROWEST, WIDE = 230, 300  # px, least and preferred width at the usual size
 
 
@@ -60,13 +63,17 @@ class LessonsView(QStackedWidget):
         """Keep a picture of the record at the end of a step of a lesson."""
         self._pictures.setdefault(lesson, {})[index] = record.grab()
 
-    def save_pictures(self, lesson: str, page: Path) -> dict[int, Path]:
-        """Write the pictures of a lesson beside a page; return their paths by step."""
-        pictures = self._pictures.get(lesson, {})
-        paths = {index: page.with_name(f"{page.stem}-{index + 1}.png") for index in pictures}
-        for index, path in paths.items():
-            save_pixmap(pictures[index], path)
-        return paths
+    def save_page(self, worksheet: Worksheet, path: Path) -> None:
+        """Write the page to hand in with its pictures: as PDF, else as Markdown with the pictures beside it."""
+        pictures = self._pictures.get(worksheet.lesson.name, {})
+        names = {index: path.with_name(f"{path.stem}-{index + 1}.png") for index in pictures}
+        markdown = worksheet.to_markdown(names)
+        if path.suffix.lower() == ".pdf":
+            print_markdown(markdown, {names[index].name: picture for index, picture in pictures.items()}, path)
+            return
+        for index, picture in pictures.items():
+            save_pixmap(picture, names[index])
+        write_text(path, markdown)
 
     def enlarge(self, large: bool) -> None:
         """Show text as large as a lecture asks for, or at the usual size."""
@@ -95,6 +102,8 @@ class ListPage(QWidget):
         tip = "A double click, or Enter, starts the lesson"
         self.lessons = make(QListWidget, objectName="lessons", accessibleName="Lessons", toolTip=tip, wordWrap=True)
         self.lessons.setFrameShape(QFrame.Shape.NoFrame)
+        self.lessons.setIconSize(PICTURE)
+        self.lessons.setSpacing(1)
         self.lessons.itemActivated.connect(self._start)
         self.lessons.currentItemChanged.connect(self._describe)
         self.about = _words()
@@ -121,7 +130,10 @@ class ListPage(QWidget):
             if course.name:
                 self._add_heading(course, sum(lesson.minutes for lesson in members))
             for lesson in members:
-                item = QListWidgetItem(f"{'✓' if lesson.name in finished else '○'}  {lesson.title}")
+                done = "✓ " if lesson.name in finished else ""
+                item = QListWidgetItem(f"{done}{lesson.title}")
+                if scene := bundled_scenes().get(lesson.scene):
+                    item.setIcon(QIcon(str(bundled_picture(scene))))  # beside it, a title of two lines is indented
                 item.setData(Qt.ItemDataRole.UserRole, lesson.name)
                 self.lessons.addItem(item)
                 if todo is None and lesson.name not in finished:
@@ -188,7 +200,7 @@ class StepPage(QWidget):
         first = step.ask is not None
         if step.ask is not None:
             self.ask.show_question(step.question, step.ask, run)
-        self.ask.setVisible(first)
+        self.ask.show_asked(first)
         self.lesson.setText(lesson.title)
         self.introduction.setText(lesson.introduction)
         self.introduction.setVisible(index == 0 and bool(lesson.introduction))
@@ -241,7 +253,8 @@ class StepPage(QWidget):
         self._halves.addLayout(reply, 1)
         fill(self._scroll.column, self._halves, None)
         self._ends = _row(self.left, self.lecture), _row(self.back, self.next)
-        fill(self._page, self._ends[0], self._scroll, self._ends[1], growing=self._scroll)
+        foot = fill(QVBoxLayout(), self.ask.buttons, self._ends[1])
+        fill(self._page, self._ends[0], self._scroll, foot, growing=self._scroll)
 
     def spread(self, wide: bool) -> None:
         """Lay task, reply and buttons side by side, as in a wide low place, or one below the other."""

@@ -61,6 +61,11 @@ class QuestionBox(QWidget):
         self.note.setText(NOTED if shown else "")
         self.note.setVisible(shown)
 
+    def show_asked(self, asked: bool) -> None:
+        """Show question and buttons, or none of them."""
+        for part in (self, self.answer, self.unknown):
+            part.setVisible(asked)
+
     def _lock(self, locked: bool) -> None:
         for widget in (self.number, *(row.button for row in self.choices)):
             widget.setEnabled(not locked)
@@ -96,8 +101,8 @@ class QuestionBox(QWidget):
         self._line = QWidget()
         none = (0, 0, 0, 0)
         fill(QHBoxLayout(self._line), self.number, self.unit, growing=self.number, margins=none)
-        buttons = fill(QHBoxLayout(), self.answer, self.unknown)
-        fill(QVBoxLayout(self), self.question, self._rows, self._line, buttons, self.note, margins=none)
+        self.buttons = fill(QHBoxLayout(), self.answer, self.unknown)  # for a place that does not scroll
+        fill(QVBoxLayout(self), self.question, self._rows, self._line, self.note, margins=none)
 
 
 class ChoiceRow(QWidget):

@@ -81,7 +81,7 @@ class AccuracyRow:
 
 
 # Columns of the table by name, each with its value for a row and the reference of its method.
-COLUMNS: dict[str, Callable[[AccuracyRow, Reference], object]] = {
+TABLE_COLUMNS: dict[str, Callable[[AccuracyRow, Reference], object]] = {
     "method": lambda row, _: row.method,
     "setting": lambda row, _: row.setting,
     "targets": lambda row, _: "with" if row.targets else "without",
@@ -228,11 +228,11 @@ class AccuracyChart(Chart):
         rows = []
         for row in self.rows:
             reference = self.scenes[row.targets].reference_of(row.method)
-            cells = [value(row, reference) for value in COLUMNS.values()]
+            cells = [value(row, reference) for value in TABLE_COLUMNS.values()]
             parts = self.split(row) if row.targets and len(self.scenes) > 1 else (None, None, None)
             rows.append((*cells, *parts, "yes" if row.key in best else "no"))
         parts_of = (f"error_{part}" for part in ErrorParts._fields)
-        return ChartTable(facts, (*COLUMNS, *parts_of, "best_for_its_time"), rows)
+        return ChartTable(facts, (*TABLE_COLUMNS, *parts_of, "best_for_its_time"), rows)
 
     def draw(self) -> Figure:
         """Draw error against time per ping, with the Pareto front."""

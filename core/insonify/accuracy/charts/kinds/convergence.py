@@ -18,14 +18,14 @@ from insonify.scene import Scene
 from insonify.statistics.record_errors import compare_records
 from insonify.tracers import rays, sweep
 
-STEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # step of a march, in cells of the bed
+MARCH_STEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # step of a march, in cells of the bed
 RAYS = tuple(1 << k for k in range(8, 15))
 PLANES = (2, 4, 8, 16, 32, 64)
 NODES = (8, 4, 2)
 FINEST_PLANES = 64
 PINGS = 8
 PROVING = 150.0  # s of processor time, over all cores
-COLUMNS = ("series", "size", "error_beyond", "resolved", "exponent", "exponent_spread")
+TABLE_COLUMNS = ("series", "size", "error_beyond", "resolved", "exponent", "exponent_spread")
 LIMITS = {  # of series that do not converge to the reference
     "march, step in m": "error against as many exact rays",
     "sweep, spacing in m": "error against all nodes of the bed",
@@ -71,7 +71,7 @@ class ConvergenceChart(Chart):
             for point in self.points
         ]
         facts = {"title": self.title, "machine": self.machine, "reference_moved": self.reference.moved}
-        return ChartTable(facts, COLUMNS, rows)
+        return ChartTable(facts, TABLE_COLUMNS, rows)
 
     def draw(self) -> Figure:
         """Draw error against step or count, a panel for each series, with the fitted orders."""
@@ -126,7 +126,8 @@ def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = No
     ]
     if not arrays.bounces:
         against = rays.trace(arrays, poses, rays=arrays.bins)
-        points += _points("march, step in m", method_settings.march_settings(arrays, STEPS), arrays, poses, against)
+        marches = method_settings.march_settings(arrays, MARCH_STEPS)
+        points += _points("march, step in m", marches, arrays, poses, against)
     if _can_sweep(arrays):
         planes = FINEST_PLANES if arrays.half_width > 0.0 else 1
         against = sweep.trace(arrays, poses, planes=planes)

@@ -26,7 +26,7 @@ PINGS = (16, 32, 64, 128, 256, 512)
 STREAMED = (1000, 10_000, 100_000, 1_000_000)  # pings of a record that is traced block by block
 LONGEST = 10.0  # s, greatest cost of such a record by its plan
 NODES = (8, 4, 2, 1)  # strides between the nodes of the bed that are kept
-SIDES = (1024, 2048, 4096, 8192)  # nodes of the bed
+BED_NODES = (1024, 2048, 4096, 8192)  # nodes of the bed
 BINS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # times the bins of the scene
 TARGETS = (1, 2, 5, 10, 20, 50, 100, 200)
 DIVISIONS = (2, 4, 6, 8)  # of an icosahedron, each into four times as many triangles: 320 to 1.3 million
@@ -38,7 +38,7 @@ SECONDS = 15.0
 RADIUS = 0.5  # m, of the ball of triangles
 SMALL = 0.15  # m, radius of the targets; the greatest number of them in one beam do not touch
 WHOLE = ("pings", "pings of a streamed record")  # axes with the time of all pings
-COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exponent", "exponent_spread")
+TABLE_COLUMNS = ("method", "axis", "size", "microseconds", "spread", "megabytes", "exponent", "exponent_spread")
 
 
 class CostRow(NamedTuple):
@@ -75,7 +75,7 @@ class CostChart(Chart):
         """Lay the rows out, each with the power law of its axis and method."""
         fits = self.fits()
         rows = [(*row, *fits[row.axis, row.method][:2]) for row in self.rows]
-        return ChartTable({"title": self.title, "machine": self.machine}, COLUMNS, rows)
+        return ChartTable({"title": self.title, "machine": self.machine}, TABLE_COLUMNS, rows)
 
     def draw(self) -> Figure:
         """Draw time against size, a panel for each axis, with the fitted power laws."""
@@ -194,7 +194,7 @@ def _change_bins(scene: Scene) -> Sizes:
 def _tile_beds(arrays: SceneArrays, poses: Poses) -> Sizes:
     """Lay a periodic bed side by side, with pings all over it, by nodes of the bed."""
     bed = arrays.bed
-    for side in SIDES if bed.periodic else ():
+    for side in BED_NODES if bed.periodic else ():
         times = side // max(bed.heights.shape)
         if times > 0:
             wide = bed._replace(

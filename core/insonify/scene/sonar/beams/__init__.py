@@ -14,7 +14,7 @@ from insonify.arrays import Floats
 from insonify.scene.base import Family, Kind, parameter
 
 BEAMS = Family("beams", "insonify.scene.sonar.beams")
-COLUMNS = 2049  # of a table of sensitivities
+PATTERN_COLUMNS = 2049  # of a table of sensitivities
 FAINT = 1e-6  # sensitivity at which a bell-shaped beam ends
 EDGE = 0.02  # sensitivity at which its main lobe ends
 
@@ -37,7 +37,7 @@ class BeamTable(NamedTuple):
 
     first_range: float  # slant range of the first row, in metres
     extent: Floats  # (rows,) half of the span of each row, as sine
-    energy: Floats  # (rows, COLUMNS)
+    energy: Floats  # (rows, PATTERN_COLUMNS)
     per_octave: float = 1.0  # rows per doubling of slant range
 
 
@@ -96,7 +96,7 @@ class BeamKind(Kind):
     def tabulate(self, conditions: BeamConditions) -> BeamTable:
         """Tabulate the sensitivity; a beam that is the same at every range has one row."""
         extent = self.extent(conditions)
-        s = np.linspace(-extent, extent, COLUMNS)
+        s = np.linspace(-extent, extent, PATTERN_COLUMNS)
         return BeamTable(1.0, np.array([extent]), self.response(s, conditions)[None, :])
 
     def at_range(self, conditions: BeamConditions) -> BeamTable:

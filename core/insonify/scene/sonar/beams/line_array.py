@@ -7,7 +7,7 @@ import numpy as np
 
 from insonify.arrays import Complexes, Floats
 from insonify.scene.base import metres, parameter
-from insonify.scene.sonar.beams import COLUMNS, AimedBeam, BeamConditions, BeamTable
+from insonify.scene.sonar.beams import PATTERN_COLUMNS, AimedBeam, BeamConditions, BeamTable
 
 ELEMENTS = 1024  # point sources from which its pattern is computed
 FEWEST_ELEMENTS = 512  # from which the coherence of its echoes is computed
@@ -19,7 +19,7 @@ LOBES = {True: 6.0, False: 32.0}
 # Half width of the main lobe of each taper to its first null, in the same steps.
 FIRST_NULL = {"uniform": 1.0, "cosine": 1.5, "hamming": 2.0, "taylor": 1.36}
 TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are nearly equal
-FAR = 0.4  # share of the range at which the width of the main lobe is measured
+LOBE_RANGE = 0.4  # share of the range at which the width of the main lobe is measured
 
 
 class LineArray(AimedBeam, kind="array", rank=40):
@@ -39,7 +39,7 @@ class LineArray(AimedBeam, kind="array", rank=40):
         """Angle of the first null, in radians."""
         # Within the near field of a long array, r < L²/λ, the beam is nearly as wide as the array is long.
         far = FIRST_NULL[self.taper] * conditions.sound_speed / conditions.frequency / self.length
-        near = 0.5 * self.length / (FAR * conditions.range)
+        near = 0.5 * self.length / (LOBE_RANGE * conditions.range)
         return math.asin(min(max(far, near + 0.5 * far), 1.0))
 
     def tabulate(self, conditions: BeamConditions) -> BeamTable:
@@ -54,10 +54,10 @@ class LineArray(AimedBeam, kind="array", rank=40):
         # From the first element to the middle.
         way = 0.5 * (1.0 - 1.0 / ELEMENTS) * self.length / conditions.wavelength
         turns = np.angle(self._fields(ranges, extent, conditions.wavelength)) / math.tau
-        turns += way * extent[:, None] * np.linspace(-1.0, 1.0, COLUMNS)
+        turns += way * extent[:, None] * np.linspace(-1.0, 1.0, PATTERN_COLUMNS)
         steps = np.diff(turns, axis=1)
         turns[:, 1:] -= np.cumsum(np.round(steps), axis=1)
-        return self.passes * (turns - np.round(turns[:, [COLUMNS // 2]]))
+        return self.passes * (turns - np.round(turns[:, [PATTERN_COLUMNS // 2]]))
 
     def _rows(self, conditions: BeamConditions) -> tuple[Floats, Floats, float]:
         """Slant range and extent of every row of the table, and rows per octave."""
@@ -105,12 +105,12 @@ class LineArray(AimedBeam, kind="array", rank=40):
 
         place = ((np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5) * self.length
         wave_number, weights = 2.0 * math.pi / wavelength, taper_weights(self.taper)
-        fields = np.empty((ranges.size, COLUMNS), np.complex128)
+        fields = np.empty((ranges.size, PATTERN_COLUMNS), np.complex128)
         for field, slant_range, extent in zip(fields, ranges, extents):
             curved = weights * np.exp(0.5j * wave_number * place**2 / slant_range)
-            step = wave_number * (place[1] - place[0]) * 2.0 * extent / (COLUMNS - 1)
+            step = wave_number * (place[1] - place[0]) * 2.0 * extent / (PATTERN_COLUMNS - 1)
             start = wave_number * (place[1] - place[0]) * extent
-            field[:] = czt(curved, COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
+            field[:] = czt(curved, PATTERN_COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
         return fields
 
 

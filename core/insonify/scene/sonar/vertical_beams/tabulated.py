@@ -12,7 +12,7 @@ from insonify.scene.base import check_increasing, metres, parameter
 from insonify.scene.sonar.beams.line_array import ELEMENTS, taper_weights
 from insonify.scene.sonar.vertical_beams import TiltedBeam
 
-COLUMNS = 4097  # of the table of measured sensitivities
+LEVEL_COLUMNS = 4097  # of the table of measured sensitivities
 Angle = Annotated[float, Field(ge=-90.0, le=90.0)]
 Level = Annotated[float, Field(ge=-200.0, le=100.0)]
 IN_ORDER = AfterValidator(partial(check_increasing, "angle"))
@@ -59,5 +59,5 @@ class MeasuredVerticalBeam(TiltedBeam, kind="table", rank=50):
     def sensitivity(self, wavelength: float) -> Floats:
         """Tabulate the measured levels as energies."""
         below, decibels = np.array(self.levels).T
-        angles = -np.degrees(np.arcsin(np.linspace(-1.0, 1.0, COLUMNS)))
+        angles = -np.degrees(np.arcsin(np.linspace(-1.0, 1.0, LEVEL_COLUMNS)))
         return np.asarray(10.0 ** (np.interp(angles, below, decibels) / 10.0))
