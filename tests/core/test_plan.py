@@ -427,7 +427,7 @@ def test_a_page_says_which_cheaper_model_is_not_taken_and_why():
     error, allowed = map(float, re.search(r"errs by ([\d.]+) % and may err by ([\d.]+) %", next_cheaper).groups())
     assert error > allowed == 0.5
     knife = write_plan_page(edit(BARE, {"sonar.beam": "knife", "seabed.relief": "flat", "track.pings": 8}))
-    assert knife[-1] == "Next cheaper: none; nothing more can be left out of this scene"
+    assert knife[-1] == "Next cheaper: none; no coarser setting takes less work"
     assert not any(line.startswith("Planes") for line in knife) or "1 across the beam" in "".join(knife)
 
 

@@ -134,7 +134,7 @@ def _describe_next(alternatives: list[Alternative]) -> str:
     """Name the cheaper model of the most work, and why it is not taken."""
     cheaper = [each for each in alternatives if each.work < 1.0]
     if not cheaper:
-        return "Next cheaper: none; nothing more can be left out of this scene"
+        return "Next cheaper: none; no coarser setting takes less work"
     best = max(cheaper, key=lambda each: each.work)
     why = f"it errs by {percent(best.error)} and may err by {percent(best.allowed)}"
     return f"Next cheaper: {best.words}, {percent(1.0 - best.work)} less work; not taken, because {why}"
