@@ -26,6 +26,7 @@ from insonify_viewer.seabed.controller import SeabedController, silence
 from insonify_viewer.state.inspection import Inspection, Mark
 from insonify_viewer.state.session import ContactList, Session
 from insonify_viewer.state.tow_clock import TowClock, next_pause
+from insonify_viewer.widgets.plot import plots_are_drawn
 from insonify_viewer.window.file_opening import FileOpening
 from insonify_viewer.window.main_window import MainWindow
 from insonify_viewer.window.presets import Presets
@@ -97,7 +98,7 @@ class Viewer(QObject):
     def complete(self) -> bool:
         """Whether record, seabed and panels show the present scene."""
         shown = self._answer is not None and not self._missing().size
-        return shown and self.seabed.complete and self.panels.complete
+        return shown and self.seabed.complete and self.panels.complete and plots_are_drawn(self.window)
 
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""

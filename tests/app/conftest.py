@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
 from insonify.explanation import compilation, listeners
+from insonify.explanation import pixel as explained
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection
 from insonify_viewer.panels.comparison import controller as comparison
@@ -127,8 +128,8 @@ def _seabed_is_not_drawn(request: pytest.FixtureRequest, monkeypatch: pytest.Mon
 def _stand_ins_are_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out what is computed from the packed scene of a simulation, which a stand-in lacks."""
     for module, name in (
-        (compilation, "compile_explanations"), (listeners, "find_listeners"), (seabed, "fan_sheet"),
-        (pixel, "_explained"), (comparison, "measure_simulation"),
+        (compilation, "compile_explanations"), (explained, "find_bin_errors"), (listeners, "find_listeners"),
+        (seabed, "fan_sheet"), (pixel, "_explained"), (comparison, "measure_simulation"),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, partial(_unless_stand_in, getattr(module, name)))
 

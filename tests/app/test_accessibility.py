@@ -45,7 +45,7 @@ def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
     assert beam.toolTip().endswith(f"{beam.currentText()}: {tips[beam.currentIndex()]}")
     # Views, tabs and scroll areas have names too; a text is named by its words, and one without words says nothing.
     kinds = {type(child).__name__ for child in focusable(window)}
-    assert {"WaterfallView", "RecordAView", "WaterView", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
+    assert {"WaterfallView", "RecordAView", "RayPlot", "QTabBar", "ParametersView", "ScrollColumn"} <= kinds
     assert "QtInteractor" in kinds or not has_opengl()
     assert [place_of(child) for child in focusable(window) if not accessible_name(child)] == []
     assert all(tabs.accessibleName() for tabs in window.findChildren(QTabBar))

@@ -138,9 +138,12 @@ def test_a_histogram_and_marks_of_a_record_stand_out_from_their_halos(theme, qtb
     histogram = HistogramView()
     qtbot.addWidget(histogram)
     histogram.resize(320, 112)
+    histogram.show()
     histogram.show_levels(lambda: np.zeros(1000, dtype=np.float32))
-    picture = histogram.grab().toImage()
-    peak, beside = (picture.pixelColor(round(histogram.place_of(level)), 60).name() for level in (0.25, 30.0))
+    qtbot.waitUntil(lambda: len(histogram.canvas.listDataItems()) > 0)
+    qtbot.wait(20)
+    picture, places = histogram.grab().toImage(), [histogram.place_of(level, 0.3) for level in (0.25, 30.0)]
+    peak, beside = (picture.pixelColor(place).name() for place in places)
     assert contrast(peak, beside) >= 3.0
     picture = QImage(60, 60, QImage.Format.Format_RGB32)
     for echo in ("#000000", "#b06a28", "#ffffff"):

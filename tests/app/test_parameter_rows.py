@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import drag, scenes_by_rows
-from PySide6.QtCore import QPoint, Qt
+from controls import drag, finish, scenes_by_rows
+from PySide6.QtCore import Qt
 
 from field_changes import RELIEFS, with_relief
 from insonify.display.scene_curves import beam_curve
@@ -15,6 +15,7 @@ from insonify.scene.edit import parse_quantity
 from insonify_viewer.panels.parameters.values import follow_values
 from insonify_viewer.panels.parameters.view import setting_pictures as registry
 from insonify_viewer.panels.parameters.view.setting_pictures import CurvesPicture, SpectrumPicture
+from insonify_viewer.state import sections as field_sections
 from insonify_viewer.state.fields import NumberField
 from insonify_viewer.state.quantities import format_duration, format_quantity, slider_position, slider_value
 from insonify_viewer.state.sections import FieldSection, sections_of
@@ -112,6 +113,23 @@ def test_what_stays_is_the_same_object_and_a_choice_or_missing_part_is_told():
     assert follow_values(edit(scene, {"targets": []}), sections) is None
 
 
+@pytest.mark.parametrize(("changes", "kept"), [
+    ({"targets.2.radius": 0.7}, 3), ({"seabed.relief": "flat"}, 4), ({"track.pings": 5}, 4), ({"sonar.bounces": 1}, 0),
+    ({"targets.0": {"kind": "box", "position": [0.0, 5.0], "size": [1.0, 1.0, 1.0]}}, 0), ({"sonar.frequency": 1e5}, 0),
+    ({"receiver.speckle": "none"}, None),
+])  # fmt: skip
+def test_sections_of_targets_that_an_edit_leaves_as_they_are_stay_the_same_objects(changes, kept, monkeypatch):
+    def described(scene, known):
+        monkeypatch.setattr(field_sections, "_KNOWN", known)
+        return [section for section in sections_of(scene) if section.key.startswith("targets.")]
+
+    spheres = [{"kind": "sphere", "position": [float(k), 5.0], "radius": 0.5} for k in range(4)]
+    scene, known = edit(load_scene("default"), {"targets": spheres}), {}
+    before, after = described(scene, known), described(edit(scene, changes), known)
+    assert after == described(edit(scene, changes), {}), "whatever was described before"
+    assert kept is None or sum(one is other for one, other in zip(before, after, strict=True)) == kept
+
+
 def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, small, qtbot, monkeypatch):
     threads = set()
 
@@ -144,17 +162,16 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
     assert viewer.session.settle(changes)
     assert not [one for one in panel.findChildren(CurvesPicture) if one.isVisible()]
     # A peak is dragged in one step.
-    viewer.open(peaked)
+    finish(viewer, qtbot, viewer.open, peaked)
     undoable = viewer.session.history.undoable
     picture = panel.findChildren(SpectrumPicture)[0]
     panel.ensureWidgetVisible(picture, 0, 0)
-    away = picture.place_of((-20.0, -20.0)).toPoint()
-    qtbot.mouseClick(picture, Qt.MouseButton.LeftButton, pos=away)
+    plot = picture.plot
+    qtbot.waitUntil(lambda: len(plot.marks) == 2)
+    qtbot.wait(20)
+    qtbot.mouseClick(plot.surface, Qt.MouseButton.LeftButton, pos=plot.place_of(-20.0, -20.0))
     assert viewer.session.scene == peaked, "a press beside the peaks moves none"
-    reach = picture.spectrum.reach
-    start = picture.place_of((8.0, 20.0)).toPoint()
-    step = picture.area.width() / (2.0 * reach)
-    drag(picture, start, start + QPoint(round(-16.0 * step), 0))
+    drag(plot.surface, plot.place_of(8.0, 20.0), plot.place_of(-8.0, 20.0))
     moved, still = viewer.session.scene.seabed.relief.peaks
     assert moved == pytest.approx((-8.0, 20.0), abs=1.0)
     assert moved == tuple(float(round(wave)) for wave in moved)

@@ -11,10 +11,12 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
 from insonify.explanation import compilation
+from insonify.explanation.pixel import find_bin_errors
 from insonify.scene import edit, load_scene
 from insonify_viewer.panels.pixel.view import BED as GROUND
-from insonify_viewer.panels.pixel.view import BLOCKED, HEARD, HIDDEN, WATER, SectionScales
+from insonify_viewer.panels.pixel.view import BLOCKED, HEARD, HIDDEN, WATER, heights_shown
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets.theme import ACCENT, MARK, Theme, apply_theme
 
 PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
@@ -92,6 +94,12 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     assert rows["bed, medium sand"] == "100.0 %"
     recorded = viewer._answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
     assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
+    # Its error is the one that is shown under the mouse.
+    errors = find_bin_errors(viewer._answer.simulation, np.array([mark.ping]))
+    assert rows["of this bin"] == format_share(errors[0, mark.side, mark.bin])
+    waterfall.hovered.emit(mark)
+    shown = viewer.panels["error"].widget
+    qtbot.waitUntil(lambda: f"pixel {rows['of this bin']}, this ping" in shown.text())
     # A shadow is explained and drawn.
     sentence = view.sentence
     click(viewer, SHADOW, qtbot)
@@ -129,7 +137,7 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_thre
     image = waterfall.grab().toImage()
     assert is_like(image.pixelColor(place + QPoint(7, 0)), MARK)
     section = viewer.panels["pixel"].view.section
-    qtbot.wait(20)
+    section.draw_now()
     seen = [QColor.fromRgb(int(colour)) for colour in np.unique(colours_of(section.grab().toImage()))]
     for name in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(colour, name) for colour in seen), name
@@ -137,9 +145,9 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_thre
     explanation, cut = section._shown
     for raised in (50.0, 1e12):
         section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
-        scales = SectionScales.of(section._shown[1], (300.0, 200.0), surfaced=False)
-        assert scales.low < scales.high
-        assert scales.area.contains(scales.at(0.0, float(cut.sonar.place[2])))
+        section.draw_now()
+        low, high = heights_shown(section._shown[1], surfaced=False)
+        assert low < float(cut.sonar.place[2]) < high
         section.grab()  # an exception would fail the test
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
     assert viewer.inspection.mark is None

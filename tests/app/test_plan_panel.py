@@ -18,13 +18,7 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
 from insonify.statistics.record_errors import compare_records, measure_displacement
 from insonify.tracers import sweep
-from insonify_viewer.panels.chart.chart_details import (
-    ChartPoint,
-    details_in_words,
-    draw_chart,
-    nearest_row,
-    row_details,
-)
+from insonify_viewer.panels.chart.chart_details import details_in_words, place_of_row, row_details
 from insonify_viewer.panels.plan.controller import changed_subject, difference_in_words
 from insonify_viewer.record.comparison.record_difference import RecordDifference
 from insonify_viewer.state.history import Modelling
@@ -173,21 +167,24 @@ def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window,
     measure(window, qtbot)
     view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()
-    loud = next(point.row for point in window.panels["chart"]._picture.points if point.row.method == "rays")
-    qtbot.mouseClick(view.picture, Qt.MouseButton.LeftButton, pos=view.picture.place_of(loud).toPoint())
+    rows = view.picture.chart.rows
+    loud = next(row for row in rows if row.method == "rays")
+    plot = view.picture.plots[loud.targets]
+    qtbot.waitUntil(lambda: plot.area.contains(plot.place_of(*place_of_row(loud))))
+    qtbot.mouseClick(plot.surface, Qt.MouseButton.LeftButton, pos=plot.place_of(*place_of_row(loud)))
     qtbot.waitUntil(lambda: bool(view._numbers.text()))
     assert "error 10 % beyond" in view._numbers.text()
     assert "energy +10 %" in view._numbers.text()
     assert view._strips.isVisible()
-    assert np.unique(colours_of(view._strips.grab().toImage())[::5, ::5]).size > 4
+    qtbot.waitUntil(lambda: np.unique(colours_of(view._strips.grab().toImage())[::5, ::5]).size > 4)
     # Points are stepped through by keys.
     panel = window.panels["chart"]
-    points, picked = panel._picture.points, []
+    picked = []
     panel.view.picked.connect(picked.append)
     for key in (Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Left, Qt.Key.Key_Left):
         qtbot.keyClick(panel.view.picture, key)
-        qtbot.waitUntil(lambda: panel.view.picture._chosen is picked[-1])
-    assert [id(row) for row in picked] == [id(points[k].row) for k in (0, 1, 0, len(points) - 1)]
+        qtbot.waitUntil(lambda: panel.view.picture.chosen is picked[-1])
+    assert [id(row) for row in picked] == [id(rows[k]) for k in (0, 1, 0, len(rows) - 1)]
     # The chart is saved.
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
@@ -256,19 +253,8 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
     assert not window.panels["chart"].busy
 
 
-def test_points_lie_where_they_are_drawn_the_nearer_one_is_picked_and_its_record_laid_out_as_it_is_read(small):
+def test_the_record_of_a_point_is_laid_out_as_it_is_read(small):
     chart = a_chart(small)
-    pictured = draw_chart(chart)
-    height, width = pictured.pixels.shape[:2]
-    for point in pictured.points:
-        colour = pictured.pixels[round(point.y * height), round(point.x * width), :3].astype(int)
-        assert np.ptp(colour) > 40, "a mark, and no paper"
-        assert nearest_row(pictured.points, point.x + 2e-3, point.y, height / width, 0.01) is point.row
-    assert nearest_row(pictured.points, 0.01, 0.01, height / width, 0.01) is None
-    assert nearest_row((), 0.5, 0.5, 1.0, 1.0) is None
-    points = (ChartPoint(0.4, 0.5, "one"), ChartPoint(0.6, 0.5, "other"))
-    picked = {(0.45, 0.5, 1.0): "one", (0.55, 0.5, 1.0): "other", (0.4, 0.58, 2.0): None}  # heights count as seen
-    assert {at: nearest_row(points, *at, 0.1) for at in picked} == picked
     judged = row_details(chart, chart.rows[0])
     assert judged.similarity == pytest.approx(1.0)
     assert judged.record.shape == (4, 200)

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controls import answer_questions, choose, drag, finish, picture_of, press_shortcut
-from PySide6.QtCore import QPoint, QRect, Qt
-from PySide6.QtGui import QImage, QPainter, QPixmap
+from controls import answer_questions, choose, colours_of, drag, finish, picture_of, press_shortcut
+from PySide6.QtCore import QRect, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPixmap
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog, QMessageBox
 
 from insonify.display.display_options import DisplayOptions
+from insonify.explanation import pixel
 from insonify.io.contacts import Contact, read_contacts
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
@@ -21,7 +22,9 @@ from insonify_viewer.panels.record import view as contact_list
 from insonify_viewer.panels.record.view import TICKS
 from insonify_viewer.record.echo_trace import draw_trace
 from insonify_viewer.record.measuring import Location, locate_simulated, measure, round_shadow_height, shadow_height
+from insonify_viewer.record.record_overlays import MOST_OPAQUE
 from insonify_viewer.state.inspection import Mark
+from insonify_viewer.widgets.painting import LIT
 from insonify_viewer.window.settings import Settings
 
 
@@ -110,12 +113,11 @@ def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
     assert panel.view.gains[0].field.text() == "4.5 dB"
 
 
-def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel):
+def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel, qtbot):
     histogram, view = panel.view.histogram, viewer.window.waterfall
-    assert histogram._counts.max() == 1.0
+    qtbot.waitUntil(lambda: histogram._counts.max() == 1.0)
     before = picture_of(view).copy()
-    levels, middle = (histogram.ends[1], 20.0), histogram.height() // 2
-    drag(histogram, *(QPoint(round(histogram.place_of(level)), middle) for level in levels))
+    drag(histogram.surface, *(histogram.place_of(level, 0.5) for level in (histogram.ends[1], 20.0)))
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
     assert viewer.session.display.levels[1] == view.tone_map.ends[1] == pytest.approx(10.0, rel=0.05)
     darker = picture_of(view).copy()
@@ -382,3 +384,25 @@ def test_what_is_no_number_is_silent(qapp):
         with QPainter(drawn[-1]) as painter:
             draw_trace(painter, QRect(0, 20, 200, 100), np.repeat(np.float32(loudest), 50), "echo of ping 1", None)
     assert drawn[0] == drawn[1]
+
+
+def test_errors_of_bins_lie_over_their_bins_and_are_taken_off(viewer, panel, qtbot, monkeypatch):
+    view = viewer.window.waterfall
+    share = 1.5 * viewer.session.modelling.tolerance  # half of that in full colour
+    errors = np.array([[0.0], [share]], np.float32)
+    monkeypatch.setattr(
+        pixel, "find_bin_errors", lambda _, pings: np.broadcast_to(errors, (len(pings), 2, view.record.bins))
+    )
+    plain, plot, middle = colours_of(view.grab().toImage()), view.plot_area, view.plot_area.center()
+    panel.view.errors.setChecked(True)
+    qtbot.waitUntil(lambda: (colours_of(view.grab().toImage()) != plain).any())
+    over = colours_of(view.grab().toImage())
+    changed = (over != plain)[plot.top() : plot.bottom(), :]
+    assert not changed[:, : middle.x() - 1].any(), "port has no error"
+    assert changed[:, middle.x() + 2 : plot.right()].mean() > 0.9
+    mixed = np.array(QColor.fromRgb(int(plain[middle.y(), middle.x() + 40])).getRgb()[:3], float)
+    mixed += 0.5 * MOST_OPAQUE / 255.0 * (np.array(QColor(LIT).getRgb()[:3]) - mixed)
+    found = QColor.fromRgb(int(over[middle.y(), middle.x() + 40])).getRgb()[:3]
+    np.testing.assert_allclose(found, mixed, atol=10)  # a screen may have 16 bits
+    panel.view.errors.setChecked(False)
+    assert (colours_of(view.grab().toImage()) == plain).all()

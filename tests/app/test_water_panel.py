@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from controls import activate, colours_of, drag, finish
-from PySide6.QtCore import QPoint, Qt
+from controls import activate, colours_of, drag, finish, move_mouse
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 
@@ -48,7 +48,7 @@ def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, sma
     finish(viewer, qtbot, settled.emit, "water.kind", "cast")
     assert viewer.session.scene.water.path == str(path)
     assert viewer.panels["water"].view.isVisible()
-    assert "1 of 4 rows are left out: 1 with an impossible sound" in viewer.panels["water"].view._diagram.limits[0]
+    assert "1 of 4 rows are left out: 1 with an impossible sound" in viewer.panels["water"].view.rays.diagram.limits[0]
     # Columns of water have no sliders.
     viewer.open(layered)
     for kind in ("profile", "hydrography", "section", "uniform"):
@@ -67,61 +67,67 @@ def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, sma
 
 def handle(view) -> QPoint:
     """Place of the second point of the profile."""
-    depth, speed = view.points[1]
-    return view.scales().of_speed(speed, depth).toPoint()
+    depth, speed = view.profile.points[1]
+    return view.profile.place_of(speed, depth)
+
+
+def picture_of(plot):
+    """Picture of a plot as it is now."""
+    plot.draw_now()
+    return plot.grab().toImage()
 
 
 def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, small, qtbot):
     layered = edit(small, {"water": PROFILE})
     viewer = open_viewer(layered)
     panel, view = viewer.panels["water"], viewer.panels["water"].view
+    profile, rays = view.profile, view.rays
     activate(viewer.window, qtbot)
     qtbot.waitUntil(lambda: viewer.complete)
-    view.setFocus(Qt.FocusReason.TabFocusReason)
-    QTest.keyClick(view, Qt.Key.Key_Tab)
-    plain = view.grab().toImage()
-    QTest.keyClick(view, Qt.Key.Key_Tab)
-    assert QApplication.focusWidget() is view
-    assert view.grab().toImage() != plain, "the chosen point is seen"
-    QTest.keyClick(view, Qt.Key.Key_Backtab)
+    profile.setFocus(Qt.FocusReason.TabFocusReason)
+    QTest.keyClick(profile, Qt.Key.Key_Tab)
+    plain = picture_of(profile)
+    QTest.keyClick(profile, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget() is profile
+    assert picture_of(profile) != plain, "the chosen point is seen"
+    QTest.keyClick(profile, Qt.Key.Key_Backtab)
     for _ in range(7):  # as a key that is held
-        QTest.keyPress(view, Qt.Key.Key_Right)
-    QTest.keyPress(view, Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier)
+        QTest.keyPress(profile, Qt.Key.Key_Right)
+    QTest.keyPress(profile, Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier)
     water = viewer.session.scene.water
     assert (water.depth[1], water.sound_speed[1]) == pytest.approx((11.0, 1518.0 + 7 * 0.2))
     assert not viewer.session.history.undoable, "the key is still down"
-    finish(viewer, qtbot, QTest.keyRelease, view, Qt.Key.Key_Right)
+    finish(viewer, qtbot, QTest.keyRelease, profile, Qt.Key.Key_Right)
     viewer.session.undo()
     assert viewer.session.scene == layered, "one step of undo"
     for _ in range(3):
-        QTest.keyClick(view, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
+        QTest.keyClick(profile, Qt.Key.Key_Left)  # not one of the steps is lost while rays are traced
     assert viewer.session.scene.water.sound_speed[1] == pytest.approx(1518.0 - 3 * 0.2)
     # A point is settled when the keyboard leaves it.
     finish(viewer, qtbot, viewer.open, layered)
     undoable = viewer.session.history.undoable
-    QTest.keyPress(view, Qt.Key.Key_Left)
+    QTest.keyPress(profile, Qt.Key.Key_Left)
     assert viewer.session.history.undoable == undoable
     viewer.window.waterfall.setFocus()
     assert len(viewer.session.history.undoable) == len(undoable) + 1
     # A key asks for the rays to a point of the water.
     finish(viewer, qtbot, viewer.session.undo)
     assert viewer.session.scene == layered
-    view.setFocus(Qt.FocusReason.BacktabFocusReason)
-    plain = view.grab().toImage()
-    QTest.keyClick(view, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
-    QTest.keyClick(view, Qt.Key.Key_Down)
-    assert view.grab().toImage() != plain, "the cross is seen"
+    rays.setFocus(Qt.FocusReason.BacktabFocusReason)
+    plain = picture_of(rays)
+    QTest.keyClick(rays, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
+    QTest.keyClick(rays, Qt.Key.Key_Down)
+    assert picture_of(rays) != plain, "the cross is seen"
     assert viewer.session.scene == layered
-    QTest.keyClick(view, Qt.Key.Key_Return)
-    frame = view.scales()
-    assert panel._target == pytest.approx((0.6 * frame.reach, 0.51 * frame.bottom))
+    QTest.keyClick(rays, Qt.Key.Key_Return)
+    assert panel._target == pytest.approx((0.6 * rays.diagram.reach, 0.51 * rays.diagram.bottom))
     qtbot.waitUntil(lambda: viewer.complete)
-    assert view._diagram.target == pytest.approx(panel._target)
-    QTest.keyClick(view, Qt.Key.Key_Tab)
-    assert QApplication.focusWidget() is not view, "the cross is the last stop"
+    assert rays.diagram.target == pytest.approx(panel._target)
+    QTest.keyClick(rays, Qt.Key.Key_Tab)
+    assert QApplication.focusWidget() is not rays, "the cross is the last stop"
     # A point is dragged, and the drag undone.
     start = handle(view)
-    drag(view, start, start + QPoint(-20, 10))
+    drag(profile.surface, start, start + QPoint(-20, 10))
     water = viewer.session.scene.water
     assert water.sound_speed[1] < 1517.0
     assert water.depth[1] > 10.3
@@ -139,8 +145,8 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     finish(viewer, qtbot, viewer.open, layered)
     shown = []
     view_shown = view.show_diagram
-    view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
-    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.scales().at(30.0, 25.0).toPoint())
+    view.show_diagram = lambda diagram: (shown.append(diagram), view_shown(diagram))
+    qtbot.mouseClick(rays.surface, Qt.MouseButton.LeftButton, pos=rays.place_of(30.0, 25.0))
     qtbot.waitUntil(lambda: bool(shown))
     assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
     assert len(shown[0].eigenrays) == 1
@@ -171,21 +177,23 @@ def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_a
     panel.point_marked(MarkedPoint(Mark(0, 0, 800), 40.0, None, None, 1.0))
     assert groups(viewer)["bed"].level == pytest.approx(solved.bed.decibels[800])
     assert "At 40.0 m the bed stands" in panel.view.sentence.text()
-    curves, area = panel.view.curves, panel.view.curves.area
-    place = QPoint(round(area.left() + 0.5 * area.width()), round(area.center().y()))
-    QTest.mouseMove(curves, place)
-    qtbot.waitUntil(lambda: "At 40.0 m" not in panel.view.sentence.text())
-    share = (place.x() - area.left()) / area.width()
-    assert f"At {share * scene.sonar.range:.1f} m" in panel.view.sentence.text()
+    curves = panel.view.curves
+    curves.draw_now()
+    move_mouse(curves.surface, curves.area.center())
+    ranges = curves.canvas.at(QPointF(curves.area.center()))[0]
+    assert ranges == pytest.approx(0.5 * scene.sonar.range, rel=0.01)
+    assert f"At {ranges:.1f} m" in panel.view.sentence.text()
     before = panel._range
     QTest.keyClick(curves, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
     assert panel._range == pytest.approx(before + 0.1 * scene.sonar.range)
     QTest.keyClick(curves, Qt.Key.Key_Left)
     assert panel._range == pytest.approx(before + 0.09 * scene.sonar.range)
     # The curves are painted.
-    assert np.unique(colours_of(curves.grab().toImage())[::2]).size > 12
+    assert np.unique(colours_of(picture_of(curves))[::2]).size > 12
+    assert len(curves.canvas.listDataItems()) >= 3
     curves.show_levels(None)
-    assert np.unique(colours_of(curves.grab().toImage())[20]).size == 1
+    curves.draw_now()
+    assert not curves.canvas.listDataItems()
     # It follows the scene and the target, and has no levels of light.
     before = groups(viewer)
     finish(viewer, qtbot, panel.view._target.setValue, -5.0)

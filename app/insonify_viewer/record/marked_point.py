@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from insonify.arrays import Singles
 from insonify.explanation.words import PATH_NAMES, name_materials, name_part
 from insonify_viewer.core_types import LevelBed, RecordLabels, Simulation
 from insonify_viewer.record.record import Record
@@ -34,6 +35,7 @@ class MarkedPoint:
     position: Position | None
     intensity: float  # linear, before display gain
     label: PixelLabel | None = None  # what the bin shows; None while it is not known
+    error: float = math.nan  # estimated, as a share of the mean echo of the bin; NaN where it is not known
 
 
 def marked_point(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> MarkedPoint | None:
@@ -135,6 +137,7 @@ class MarkController:
         self._wanted: Mark | None = None
         self._simulation: Simulation | None = None
         self._labels: OrderedDict[int, RecordLabels | None] = OrderedDict()
+        self._errors: tuple[int, Singles | None] = (-1, None)  # of the bins of one ping
         self._point: MarkedPoint | None = None
         self._labelled = False  # whether kernels are there: those of labels would be compiled before all others
 
@@ -151,6 +154,7 @@ class MarkController:
         if simulation is not self._simulation:
             self._simulation = simulation
             self._labels.clear()
+            self._errors = -1, None
 
         def find() -> MarkedPoint | None:
             return marked_point(simulation, record, answer.level, mark)
@@ -170,6 +174,22 @@ class MarkController:
         self._show_point(point)
         if point is not None and self._labelled and point.mark.ping not in self._labels:
             self._ask(simulation, point.mark.ping)
+        if point is not None and self._labelled and point.mark.ping != self._errors[0]:
+            self._ask_for_errors(simulation, point.mark.ping)
+
+    def _ask_for_errors(self, simulation: Simulation, ping: int) -> None:
+        """Estimate the errors of the bins of a ping on another thread; a request replaces one that waits."""
+        # lazy: loads Numba on the thread; the window opens before
+        from insonify.explanation.pixel import find_bin_errors
+
+        def take(errors: Singles | None) -> None:
+            if simulation is self._simulation:
+                self._errors = ping, errors
+                if self._point is not None and self._point.mark.ping == ping:
+                    self._show_point(self._point)
+
+        pings = np.array([ping], dtype=np.int64)
+        self._executor.submit("errors", lambda: find_bin_errors(simulation, pings), take)
 
     def _ask(self, simulation: Simulation, ping: int) -> None:
         def take(labels: RecordLabels | None) -> None:
@@ -192,5 +212,8 @@ class MarkController:
             if labels is not None:
                 label = label_bin(self._simulation, labels, point.mark.side, point.mark.bin)
                 point = replace(point, label=label)
+            ping, errors = self._errors
+            if errors is not None and ping == point.mark.ping:
+                point = replace(point, error=float(errors[0, point.mark.side, point.mark.bin]))
         self._point = point
         self._show(point)

@@ -3,15 +3,17 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSize, Qt
 from PySide6.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
+from insonify.arrays import Floats, Integers, Singles
 from insonify.display.range_axis import NAMES
 from insonify_viewer.record.projection import Projection
 from insonify_viewer.state.inspection import Mark
-from insonify_viewer.widgets.painting import draw_lit, draw_pin, draw_veil, round_steps
+from insonify_viewer.widgets.painting import LIT, draw_lit, draw_pin, draw_veil, image_of, round_steps
 from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, HALO, MARK_IN_WATER, QUIET, RAISED, TEXT
 from insonify_viewer.work.waiting import Waiting
 
@@ -21,10 +23,35 @@ MOST_POINTS = 200  # of the bottom line
 LINE = QColor(255, 255, 255, 70)  # of equal range
 BED = "#ffb000"  # distinct from the palettes' middle tones
 CONTACT = "#7dff5a"
+MOST_OPAQUE = 190  # of 255, of an error
 THIN, HIGH = 4, 24  # px, of the bar and of its text
 WIDTH, HEIGHT, ROUND = 20.0, 26.0, 4.0  # px
 APART = 14  # px, between a measured line and what it measures
 LABEL = 92.0  # px, of the ping beside a held handle
+
+
+class BinErrors(NamedTuple):
+    """Estimated errors of the bins of every few pings."""
+
+    pings: Integers  # (n,) numbers, the newest first, as far apart as the first two
+    shares: Singles  # (n, 2 bins) of the mean echoes, from far port over nadir to far starboard; 0 where not known
+    altitude: Floats  # (n,) in metres
+    full: float  # share that is drawn in full colour
+
+
+def draw_errors(painter: QPainter, plot: QRect, projection: Projection, errors: BinErrors) -> None:
+    """Lay the errors of bins over a record, the more opaque the greater they are."""
+    if len(errors.pings) < 2:
+        return
+    apart = errors.pings[0] - errors.pings[1]
+    ends = projection.down(np.array([errors.pings[0], errors.pings[-1] - apart], float)) * plot.height() + plot.top()
+    columns = projection.columns(errors.shares, errors.altitude, plot.width())
+    opacity = np.clip(columns / np.float32(errors.full), 0.0, 1.0)
+    pixels = np.empty((*columns.shape, 4), np.uint8)
+    pixels[..., :3] = np.array(QColor(LIT).toTuple())[:3]
+    pixels[..., 3] = np.rint(MOST_OPAQUE * opacity)
+    image = image_of(pixels if ends[1] > ends[0] else pixels[::-1])
+    painter.drawImage(QRectF(plot.left(), min(ends), plot.width(), abs(ends[1] - ends[0])), image)
 
 
 def draw_range_lines(painter: QPainter, plot: QRect, projection: Projection, text: float) -> None:

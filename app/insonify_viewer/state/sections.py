@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -62,23 +62,53 @@ def _widgets(parameter: Parameter) -> Any:
 
 def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
     """Describe every editable field of a scene."""
-    found = []
+    found: list[FieldSection] = []
     for name in SECTIONS:
         part = part_at(scene, name)
         if isinstance(part, tuple):
-            for index, item in enumerate(part):
-                path = f"{name}.{index}"
-                title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
-                locked = getattr(item, "locked", False)
-                found.append(FieldSection(path, title, _inside(scene, item, path, 0), removable=True, locked=locked))
-        else:
-            owner, _, field = name.rpartition(".")
-            parameters = tuple(_of_declaration(scene, part_at(scene, owner), field, name, 0))
-            if name == "seabed":
-                parameters += tuple(_of_field(scene, scene, "seed", "", 0))
-            found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
-    named = [tuple(replace(each, name=name_field(scene, each.path)) for each in one.parameters) for one in found]
-    return tuple(replace(one, parameters=rows) for one, rows in zip(found, named, strict=True) if rows)
+            found += _sections_of_items(scene, name, part)
+            continue
+        owner, _, field = name.rpartition(".")
+        parameters = tuple(_of_declaration(scene, part_at(scene, owner), field, name, 0))
+        if name == "seabed":
+            parameters += tuple(_of_field(scene, scene, "seed", "", 0))
+        found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), _named_in(scene, parameters)))
+    return tuple(one for one in found if one.parameters)
+
+
+class _KnownItems(NamedTuple):
+    """Targets or volumes of the scene that was described last, and their sections."""
+
+    around: tuple[Any, ...]  # what the fields of one depend on beside itself
+    items: tuple[Any, ...]
+    sections: tuple[FieldSection, ...]
+
+
+_KNOWN: dict[str, _KnownItems] = {}  # by the name of the list
+
+
+def _sections_of_items(scene: Scene, name: str, items: tuple[Any, ...]) -> tuple[FieldSection, ...]:
+    """Sections of targets or volumes; those of thousands that an edit leaves as they are stay the same objects."""
+    around = scene.sonar, scene.receiver, scene.seabed.depth, scene.altitude, tuple(item.kind for item in items)
+    known = _KNOWN.get(name)
+    before = known if known is not None and known.around == around else _KnownItems(around, (None,) * len(items), ())
+    sections = tuple(
+        before.sections[k] if item == before.items[k] else _section_of_item(scene, f"{name}.{k}", item, k)
+        for k, item in enumerate(items)
+    )
+    _KNOWN[name] = _KnownItems(around, items, sections)
+    return sections
+
+
+def _section_of_item(scene: Scene, path: str, item: Any, index: int) -> FieldSection:
+    title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
+    rows = _named_in(scene, _inside(scene, item, path, 0))
+    return FieldSection(path, title, rows, removable=True, locked=getattr(item, "locked", False))
+
+
+def _named_in(scene: Scene, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Fields with their full names."""
+    return tuple(replace(each, name=name_field(scene, each.path)) for each in parameters)
 
 
 def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:

@@ -148,12 +148,12 @@ def make_polyline(x: Reals, y: Reals) -> QPolygonF:
     return line
 
 
-def two_sided_table() -> NDArray[np.uint32]:
-    """Colour table of 256 differences: equal is the ground of the window, lower is blue, higher is copper."""
+def two_sided_palette() -> Bytes:
+    """Palette of 256 differences: equal is the ground of the window, lower is blue, higher is copper."""
     low, none, high = (np.array([c.red(), c.green(), c.blue()], float) for c in map(QColor, (MARK, GROUND, ACCENT)))
     share = np.linspace(-1.0, 1.0, 256)[:, None]
     mixed = none + np.maximum(-share, 0.0) * (low - none) + np.maximum(share, 0.0) * (high - none)
-    return colour_table(np.rint(mixed).astype(np.uint8))
+    return np.rint(mixed).astype(np.uint8)
 
 
 def image_of(pixels: Bytes) -> QImage:

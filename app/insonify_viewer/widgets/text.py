@@ -2,8 +2,9 @@
 
 import html
 
-from PySide6.QtCore import QEvent
-from PySide6.QtWidgets import QTextBrowser
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QLabel, QSizePolicy, QTextBrowser
 
 from insonify.errors import plain_text
 from insonify_viewer.errors import guard_override
@@ -28,6 +29,27 @@ def window_title(text: str) -> str:
 def one_line(text: str) -> str:
     """Return text without control characters and on one line."""
     return plain_text(" ".join(text.split()))
+
+
+class ElidedLabel(QLabel):
+    """One line of text that ends in an ellipsis where there is no room for all of it."""
+
+    def __init__(self, style: str) -> None:
+        super().__init__()
+        self.setObjectName(style)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self._words = ""
+
+    def say(self, words: str) -> None:
+        """Show other words."""
+        self._words = words
+        self.setText(self.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, self.width()))
+
+    @guard_override(None)
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show as much as there is room for."""
+        super().resizeEvent(event)
+        self.say(self._words)
 
 
 class ThemedText(QTextBrowser):

@@ -19,12 +19,12 @@ from typing import NamedTuple
 import numpy as np
 
 from insonify.acoustics.bed_materials import find_material, misfit
-from insonify.arrays import Floats, Singles
+from insonify.arrays import Floats, Integers, Singles
 from insonify.explanation.pixel_parts import PixelParts, find_athwart_parts, find_pixel_parts
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
 from insonify.kernels.common.types import LIGHT, SceneArrays
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
+from insonify.kernels.labels.echo_parts import BEHIND_BED, VISIBLE
 from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
 from insonify.simulation import Simulation
@@ -298,16 +298,24 @@ def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> P
         summary=summarise_pixel(parts, contributions, obstructions),
         approximations=_approximations(parts, contributions),
         error=float(simulation.errors(traced.squares)[0, side]),
-        bin_error=_bin_error(simulation, traced, side, pixel),
+        bin_error=float(_relative_errors(simulation, traced)[0, side, pixel])
+        if simulation.estimates_errors
+        else math.nan,
     )
 
 
-def _bin_error(simulation: Simulation, traced: TracedPings, side: int, pixel: int) -> float:
-    """Estimated error of a pixel of one traced ping, as a share of its mean echo; NaN where it is not known."""
-    place = 0, side, pixel
-    if not simulation.estimates_errors or not traced.echoes[place] > 0.0:
-        return math.nan
-    return float(simulation.bin_errors(traced)[place] / (traced.echoes[place] * simulation.reception.gain[pixel]))
+def find_bin_errors(simulation: Simulation, pings: Integers) -> Singles:
+    """Estimated errors of the bins of pings as shares of their mean echoes, (n, 2, bins); NaN where not known."""
+    traced = simulation.trace_pings(simulation.poses(pings), of_bins=simulation.estimates_errors)
+    return _relative_errors(simulation, traced)
+
+
+def _relative_errors(simulation: Simulation, traced: TracedPings) -> Singles:
+    relative = np.full(traced.echoes.shape, np.nan, np.float32)
+    if not simulation.estimates_errors:
+        return relative
+    echoes = traced.echoes * simulation.reception.gain
+    return np.divide(simulation.bin_errors(traced), echoes, out=relative, where=echoes > 0.0)
 
 
 def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> list[Term]:

@@ -4,25 +4,23 @@ import html
 from collections.abc import Iterable
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPen
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QVBoxLayout, QWidget
 
-from insonify.arrays import Floats, Integers
+from insonify.arrays import Floats
 from insonify_viewer.panels.budget.levels import Group, SolvedBudget, signed
 from insonify_viewer.widgets.arrow_keys import steps_of
 from insonify_viewer.widgets.buttons import make, make_label
 from insonify_viewer.widgets.layouts import fill, make_splitter
-from insonify_viewer.widgets.painting import PaintedOnce, make_polyline, round_steps
+from insonify_viewer.widgets.plot import Canvas, Plot
 from insonify_viewer.widgets.text import ThemedText
-from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, QUIET, RAISED, TEXT, TRAIL, text_scale
+from insonify_viewer.widgets.theme import ACCENT, MARK, QUIET, TEXT, TRAIL
 
 HINT = "Move over the record, or over the curves, to see the terms at another range."
-LEFT, RIGHT, TOP, BOTTOM = 44.0, 10.0, 22.0, 32.0  # px around the plot
 NARROWEST = 240  # px, which hold a group of terms
 SPAN, STEP = 100.0, 10.0  # dB, the most that the plot shows, and what its limits are multiples of
 NEAREST = 0.15  # share of the range, nearer than which levels do not set the scale
-KEY = 36.0  # px, piece of line before the name of a curve, and the gap behind it
 KEY_STEP = 0.01  # of the range, by which a key moves the cursor
 STRONGEST = 60.0  # dB re 1 m², of a target, up and down
 
@@ -125,51 +123,31 @@ def _line(name: str, level: str, colour: QColor) -> str:
     )
 
 
-class LevelCurves(PaintedOnce):
-    """Paints levels over slant range, and signals the range under the mouse; arrow keys move it."""
+class LevelCurves(Plot):
+    """Levels over slant range; signals the range under the mouse, and arrow keys move it."""
 
     ranged = Signal(float)
 
     def __init__(self) -> None:
-        super().__init__(minimumSize=QSize(240, 130), mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
-        self.setAccessibleName("Levels over slant range")
-        self.setToolTip(
-            "Levels of bed, target and noise before the gain. Move the mouse or press ← → to choose a range"
-        )
+        tip = "Levels of bed, target and noise before the gain. Move the mouse or press ← → to choose a range"
+        size, focus = QSize(240, 130), Qt.FocusPolicy.TabFocus
+        super().__init__("Levels over slant range", tip, minimumSize=size, focusPolicy=focus)
         self._solved: SolvedBudget | None = None
-        self._range = 0.0
-
-    @property
-    def area(self) -> QRectF:
-        """The plot, px."""
-        large = text_scale(self)
-        left, top, bottom = LEFT * large, TOP * large, BOTTOM * large
-        return QRectF(left, top, max(self.width() - left - RIGHT, 1.0), max(self.height() - top - bottom, 1.0))
+        self._range, self._cursor = 0.0, None
+        self.hovered.connect(lambda slant_range, _: self._move(slant_range))
 
     def show_levels(self, solved: SolvedBudget | None) -> None:
         """Show the levels of a scene; None clears them."""
         self._solved = solved
-        self.paint_anew()
+        if solved is not None:
+            self.words = f"slant range (m) · level before the gain ({solved.unit})", ""
+        self.redraw()
 
     def show_range(self, slant_range: float) -> None:
         """Show the cursor at a slant range in metres."""
         self._range = slant_range
-        self.update()
-
-    def paint(self, painter: QPainter) -> None:
-        """Draw the curves, which are painted once, and the cursor."""
-        super().paint(painter)
-        if self._solved is not None:
-            area = self.area
-            x = area.left() + self._range / self._solved.scene.sonar.range * area.width()
-            painter.setPen(QPen(QColor(TEXT), 1.0, Qt.PenStyle.DotLine))
-            painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Signal the range under the mouse."""
-        if self._solved is not None:
-            share = (event.position().x() - self.area.left()) / self.area.width()
-            self._move(share * self._solved.scene.sonar.range)
+        if self._cursor is not None:
+            self._cursor.setValue(slant_range)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Signal a range next to the present one."""
@@ -179,60 +157,27 @@ class LevelCurves(PaintedOnce):
             return
         self._move(self._range + steps[0] * KEY_STEP * self._solved.scene.sonar.range)
 
-    def paint_picture(self, painter: QPainter) -> None:
-        """Paint scales, curves and their names."""
+    def draw(self, canvas: Canvas) -> None:
+        """Draw curves, their names and the cursor."""
+        self._cursor = None
         if self._solved is None:
             return
-        area, reach, solved = self.area, self._solved.scene.sonar.range, self._solved.record
-        levels = [(solved.bed, QPen(QColor(ACCENT), 1.6)), (solved.target, QPen(QColor(MARK), 1.6))]
-        styles = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
-        for level, style in zip(solved.disturbances, styles):
-            levels.append((level, QPen(QColor(QUIET if level.name == "noise" else TRAIL), 1.6, style)))
-        low, high = _limits(solved.slant_range, [level.decibels for level, _ in levels])
-        painter.fillRect(area, QColor(RAISED))
-        _paint_scales(painter, area, reach, (low, high), text_scale(self))
-        self._paint_words(painter, area)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        columns = np.unique(
-            np.linspace(0, solved.slant_range.size - 1, max(int(2.0 * area.width()), 2)).astype(np.int64)
+        solved, solid = self._solved.record, Qt.PenStyle.SolidLine
+        canvas.name_lines()
+        levels = [(solved.bed, ACCENT, solid), (solved.target, MARK, solid)]
+        for level, style in zip(solved.disturbances, (solid, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)):
+            levels.append((level, QUIET if level.name == "noise" else TRAIL, style))
+        for level, colour, style in levels:
+            canvas.line(solved.slant_range, level.decibels, colour, 1.6, style=style, name=level.name)
+        self.limit(
+            (0.0, self._solved.scene.sonar.range),
+            _limits(solved.slant_range, [level.decibels for level, *_ in levels]),
         )
-        x = area.left() + solved.slant_range[columns] / reach * area.width()
-        painter.setClipRect(area)
-        for level, pen in levels:
-            painter.setPen(pen)
-            for part in _runs(level.decibels[columns]):
-                y = area.bottom() - (level.decibels[columns][part] - low) / (high - low) * area.height()
-                painter.drawPolyline(make_polyline(x[part], np.clip(y, area.top() - 1e3, area.bottom() + 1e3)))
-        painter.setClipping(False)
-        self._paint_names(painter, area, [(level.name, pen) for level, pen in levels])
-
-    def _paint_words(self, painter: QPainter, area: QRectF) -> None:
-        """Write what the scales are."""
-        assert self._solved is not None
-        painter.setPen(QColor(QUIET))
-        tall = painter.fontMetrics().height()
-        below = QRectF(area.left(), self.height() - tall, area.width(), tall)
-        words = f"slant range (m) · level before the gain ({self._solved.unit})"
-        painter.drawText(below, Qt.AlignmentFlag.AlignCenter, words)
-
-    def _paint_names(self, painter: QPainter, area: QRectF, names: list[tuple[str, QPen]]) -> None:
-        """Write the names of the curves above the plot, each behind a piece of its line."""
-        widths = [painter.fontMetrics().horizontalAdvance(name) for name, _ in names]
-        if sum(widths) + len(names) * KEY > area.width():
-            names = [(name.removesuffix(" reverberation"), pen) for name, pen in names]
-        x, middle = area.left(), 0.5 * area.top()
-        for name, pen in names:
-            painter.setPen(pen)
-            painter.drawLine(QPointF(x, middle), QPointF(x + 0.5 * KEY, middle))
-            painter.setPen(QColor(TEXT))
-            wide = painter.fontMetrics().horizontalAdvance(name)
-            box = QRectF(x + 0.6 * KEY, 0.0, wide + 2.0, area.top())
-            painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, name)
-            x += wide + KEY
+        self._cursor = canvas.rule(self._range, TEXT)
 
     def _move(self, slant_range: float) -> None:
-        assert self._solved is not None
-        self.ranged.emit(min(max(slant_range, 0.0), self._solved.scene.sonar.range))
+        if self._solved is not None:
+            self.ranged.emit(min(max(slant_range, 0.0), self._solved.scene.sonar.range))
 
 
 def _limits(slant_range: Floats, levels: list[Floats]) -> tuple[float, float]:
@@ -242,30 +187,3 @@ def _limits(slant_range: Floats, levels: list[Floats]) -> tuple[float, float]:
     high = STEP * np.ceil(shown.max(initial=-np.inf) / STEP) if shown.size else 0.0
     low = STEP * np.floor(shown.min(initial=np.inf) / STEP) if shown.size else -SPAN
     return float(max(low, high - SPAN, -1e9)), float(max(high, low + STEP))
-
-
-def _runs(level: Floats) -> list[Integers]:
-    """Find the indices of each stretch in which a level is finite."""
-    finite = np.flatnonzero(np.isfinite(level))
-    return [part for part in np.split(finite, np.flatnonzero(np.diff(finite) > 1) + 1) if part.size > 1]
-
-
-def _paint_scales(painter: QPainter, area: QRectF, reach: float, limits: tuple[float, float], large: float) -> None:
-    """Paint lines across at round levels and ranges, with their numbers."""
-    low, high = limits
-    tall = painter.fontMetrics().height()
-    right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-    for level in round_steps(low, high, max(int(area.height() / (20.0 * large)), 2)):
-        y = area.bottom() - (level - low) / (high - low) * area.height()
-        painter.setPen(QColor(EDGE))
-        painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
-        painter.setPen(QColor(QUIET))
-        box = QRectF(0.0, y - 0.5 * tall, area.left() - 6.0, tall)
-        painter.drawText(box, right, f"{level:g}".replace("-", "−"))
-    for distance in round_steps(0.0, reach, max(int(area.width() / (60.0 * large)), 2)):
-        x = area.left() + distance / reach * area.width()
-        painter.setPen(QColor(EDGE))
-        painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
-        painter.setPen(QColor(QUIET))
-        box = QRectF(x - 40.0, area.bottom() + 1.0, 80.0, tall)
-        painter.drawText(box, Qt.AlignmentFlag.AlignHCenter, f"{distance:g}")

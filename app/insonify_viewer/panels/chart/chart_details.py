@@ -1,58 +1,20 @@
-"""Picture of a chart with points to pick, and the record behind each point."""
+"""The record behind each point of a chart."""
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from insonify.arrays import Bytes, Singles
+from insonify.arrays import Singles
 from insonify_viewer.core_types import AccuracyChart, AccuracyRow
-from insonify_viewer.state.quantities import format_duration, nearest_within
+from insonify_viewer.state.quantities import format_duration
 
-DPI = 150.0
-
-
-class ChartPoint(NamedTuple):
-    """Position of a row in the picture, as shares of the width from the left and of the height from the top."""
-
-    x: float
-    y: float
-    row: AccuracyRow
+FLOOR, CEILING = 1e-5, 10.0  # errors beyond these are drawn there
 
 
-@dataclass(frozen=True, eq=False)
-class ChartPicture:
-    """A chart as pixels."""
-
-    chart: AccuracyChart  # the chart
-    pixels: Bytes  # (height, width, 4) red, green, blue, opacity
-    points: tuple[ChartPoint, ...]  # points to pick
-
-
-def draw_chart(chart: AccuracyChart) -> ChartPicture:
-    """Draw a chart as it is saved to a file, with the positions of its points."""
-    # lazy: the window opens before Matplotlib is loaded
-    from insonify.accuracy.charts.kinds.accuracy import draw_accuracy
-
-    figure, marks = draw_accuracy(chart)
-    figure.set_dpi(DPI)
-    figure.canvas.draw()
-    pixels = np.array(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
-    height, width = pixels.shape[:2]
-    points = [
-        ChartPoint(x / width, 1.0 - y / height, row)
-        for line, rows in marks.items()
-        for (x, y), row in zip(line.get_transform().transform(line.get_xydata()), rows)
-    ]
-    return ChartPicture(chart, pixels, tuple(points))
-
-
-def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
-    """Find the row nearest to a position in the picture."""
-    distances = [math.hypot(point.x - x, shape * (point.y - y)) for point in points]
-    best = nearest_within(distances, within)
-    return None if best is None else points[best].row
+def place_of_row(row: AccuracyRow) -> tuple[float, float]:
+    """Logarithms of time in µs and error, by which a row is drawn."""
+    return math.log10(row.microseconds), math.log10(min(max(row.errors.beyond, FLOOR), CEILING))
 
 
 @dataclass(frozen=True, eq=False)

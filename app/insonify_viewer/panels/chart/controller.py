@@ -5,7 +5,7 @@ from typing import Any
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer.core_types import AccuracyChart, AccuracyRow
-from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
+from insonify_viewer.panels.chart.chart_details import RowDetails, row_details
 from insonify_viewer.panels.chart.view import ChartWindow
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.work.executor import Progress
@@ -28,7 +28,7 @@ class ChartPanel(Panel):
         self.view: ChartWindow | None = None
         self._measurement: ThreadJob | None = None
         workbench.jobs.changed.connect(self._follow)
-        self._picture: ChartPicture | None = None
+        self._chart: AccuracyChart | None = None
 
     @property
     def widget(self) -> ChartWindow:
@@ -54,7 +54,7 @@ class ChartPanel(Panel):
         scene, measure = self._workbench.session.scene, self.measure or _measured
         self.widget.show_busy(True)
         title = f"chart of {scene.title or 'the scene'}"
-        self._measurement = self._workbench.jobs.begin_work(title, lambda report: draw_chart(measure(scene, report)))
+        self._measurement = self._workbench.jobs.begin_work(title, lambda report: measure(scene, report))
 
     def stop(self) -> None:
         """Stop the measurement."""
@@ -63,16 +63,14 @@ class ChartPanel(Panel):
 
     def pick(self, row: AccuracyRow) -> None:
         """Show the record behind a point of the chart."""
-        if self._picture is not None:
-            chart = self._picture.chart
+        chart = self._chart
+        if chart is not None:
             self._workbench.simulator.send(lambda: row_details(chart, row), self._show_details)
 
     def save(self) -> None:
         """Write the chart to a file that the person names."""
-        if self._picture is None:
-            return
-        chart = self._picture.chart
-        if path := self.widget.ask_where_to_save():
+        chart = self._chart
+        if chart is not None and (path := self.widget.ask_where_to_save()):
             self._workbench.simulator.send(lambda: chart.save(path), partial(self._tell, path))
 
     def _follow(self, job: BackgroundJob) -> None:
@@ -84,7 +82,7 @@ class ChartPanel(Panel):
             return
         self.widget.show_busy(False)
         if job.state is State.DONE:
-            self._picture = job.value
+            self._chart = job.value
             self.widget.show_chart(job.value)
         else:
             self.widget.say("stopped" if job.state is State.STOPPED else job.sentence)

@@ -1,21 +1,26 @@
 """Window of the chart: speed against accuracy, and the record behind each point."""
 
+from __future__ import annotations
+
+import math
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QKeyEvent, QMouseEvent, QPainter, QPen
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QProgressBar, QVBoxLayout, QWidget
 
-from insonify.arrays import Singles
 from insonify.display.display_options import PALETTES
-from insonify.display.picture import choose_contrast, colour_rows, load_palette
-from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
-from insonify_viewer.state.quantities import format_time_left
+from insonify.display.picture import choose_contrast, load_palette
+from insonify_viewer.core_types import AccuracyChart
+from insonify_viewer.panels.chart.chart_details import FLOOR, RowDetails, details_in_words, place_of_row
+from insonify_viewer.state.quantities import format_duration, format_time_left, nearest_within
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.layouts import fill, make_splitter
-from insonify_viewer.widgets.painting import Painted, colour_table, column_means, image_of, round_steps, two_sided_table
+from insonify_viewer.widgets.painting import round_steps, two_sided_palette
+from insonify_viewer.widgets.plot import Canvas, Plot
 from insonify_viewer.widgets.text import window_title
-from insonify_viewer.widgets.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.widgets.theme import ACCENT, EDGE, MARK, OVER_WATER, QUIET, TEXT
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
 STRIPS, MOST = 320, 0.42  # px, first height of the strips, and their greatest share of the window's height
@@ -27,11 +32,10 @@ INVITATION = (
 )
 BUSY = "measuring with the tow paused; other programs that run now make the times longer …"
 HINT = "Click a point, or press ← → in the chart, to see its record beside the exact one, and their difference."
-LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
-DIFFERENCE = (
-    ("difference, in full colour where it is half the span of the picture: ", TEXT),
-    *(("too bright", ACCENT), (" or ", TEXT), ("too dark", MARK)),
-)
+DIFFERENCE = (ACCENT, "too bright"), (MARK, "too dark")
+PLAN = "default plan"
+WITH = {False: "without targets", True: "with targets"}
+FAMILIES = {"march": "#c07a3a", "rays": "#4a90c8", "sweep": "#2fa36b", "embree": "#9a78c8"}  # colours of methods
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
@@ -51,7 +55,9 @@ class ChartWindow(QWidget):
         self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
         self._progress = QProgressBar(maximum=1000, textVisible=False)
         self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
-        self.picture, self._strips = _ChartPictureView(), StripsView()
+        self._summary = make_label("name")
+        self._summary.hide()
+        self.picture, self._strips = ChartPlots(), StripsView()
         self._lay_out()
         self.picture.picked.connect(self.picked)
         self.save.setEnabled(False)
@@ -71,10 +77,12 @@ class ChartWindow(QWidget):
         self._progress.setValue(round(1000.0 * share))
         self.say(BUSY if seconds_left is None else f"{format_time_left(seconds_left)} left: {BUSY}")
 
-    def show_chart(self, chart_picture: ChartPicture) -> None:
+    def show_chart(self, chart: AccuracyChart) -> None:
         """Show a measured chart."""
-        self.setWindowTitle(f"Chart of {window_title(chart_picture.chart.title) or 'an untitled scene'} · insonify")
-        self.picture.show_chart(chart_picture)
+        self.setWindowTitle(f"Chart of {window_title(chart.title) or 'an untitled scene'} · insonify")
+        self.picture.show_chart(chart)
+        self._summary.setText("\n".join(chart.summarise()))
+        self._summary.show()
         self._bottom.hide()
         self.save.setEnabled(True)
         self.say(HINT)
@@ -107,147 +115,152 @@ class ChartWindow(QWidget):
         self._bottom.hide()
         self._splitter = make_splitter(Qt.Orientation.Vertical, self.picture, self._bottom)
         self._splitter.setStretchFactor(0, 1)
-        fill(QVBoxLayout(self), top, self._splitter, growing=self._splitter)
+        fill(QVBoxLayout(self), top, self._summary, self._splitter, growing=self._splitter)
 
 
-class _ChartPictureView(Painted):
-    """The picture of the chart, as large as fits."""
+class ChartPlots(QWidget):
+    """The chart without targets and with them, side by side; a click or keys pick a point."""
 
     picked = Signal(object)
 
     def __init__(self) -> None:
-        reached = Qt.FocusPolicy.TabFocus
-        super().__init__(minimumSize=QSize(320, 180), mouseTracking=True, focusPolicy=reached, accessibleName="Chart")
-        self._chart_picture: ChartPicture | None = None
-        self._image = QImage()
-        self._chosen: object = None
+        super().__init__(minimumSize=QSize(320, 180), focusPolicy=Qt.FocusPolicy.TabFocus, accessibleName="Chart")
         self.setToolTip("Click a point, or step through the points with ← →, to see its record")
+        self.chart: AccuracyChart | None = None
+        self.chosen: object = None
+        self.plots = {targets: ScenePlot(self, targets) for targets in (False, True)}
+        fill(QHBoxLayout(self), *self.plots.values(), margins=(0, 0, 0, 0), spacing=2)
+        for targets, plot in self.plots.items():
+            plot.clicked.connect(lambda x, y, plot=plot: self._pick_near(plot, x, y))
+            plot.setVisible(not targets)
 
-    def show_chart(self, chart_picture: ChartPicture) -> None:
-        self._chart_picture, self._chosen = chart_picture, None
-        self._image = image_of(chart_picture.pixels)
-        self.update()
+    def show_chart(self, chart: AccuracyChart) -> None:
+        """Show a chart."""
+        self.chart = chart
+        for targets, plot in self.plots.items():
+            plot.setVisible(targets in chart.scenes)
+        self.show_chosen(None)
 
     def show_chosen(self, row: object) -> None:
-        self._chosen = row
-        self.update()
-
-    def place_of(self, row: object) -> QPointF:
-        """Pixel of a row's point."""
-        assert self._chart_picture is not None
-        frame = self._frame()
-        point = next(point for point in self._chart_picture.points if point.row is row)
-        return QPointF(frame.left() + point.x * frame.width(), frame.top() + point.y * frame.height())
-
-    def paint(self, painter: QPainter) -> None:
-        """Draw the chart, and a ring around the picked point."""
-        painter.fillRect(self.rect(), QColor(GROUND))
-        painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
-        if self._chart_picture is None:
-            painter.setPen(QColor(QUIET))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
-        else:
-            painter.drawImage(self._frame(), self._image)
-            if self._chosen is not None:
-                painter.setPen(QPen(QColor(ACCENT), 3))
-                painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Signal the point under the mouse."""
-        if (row := self._under(event.position())) is not None:
-            self.picked.emit(row)
+        """Show which row is chosen."""
+        self.chosen = row
+        for plot in self.plots.values():
+            plot.redraw()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Signal the point before or after the chosen one; the first one if none is chosen."""
         turn = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}.get(Qt.Key(event.key()))
-        if turn is None or self._chart_picture is None or not self._chart_picture.points:
+        if turn is None or self.chart is None or not self.chart.rows:
             super().keyPressEvent(event)
             return
-        rows = [point.row for point in self._chart_picture.points]
-        at = next((number for number, row in enumerate(rows) if row is self._chosen), None)
+        rows = self.chart.rows
+        at = next((number for number, row in enumerate(rows) if row is self.chosen), None)
         self.picked.emit(rows[0 if at is None else (at + turn) % len(rows)])
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Change the cursor over a point."""
-        over = self._under(event.position()) is not None
-        self.setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor)
-
-    def _under(self, place: QPointF) -> object:
-        if self._chart_picture is None:
-            return None
-        frame = self._frame()
-        x, y = (place.x() - frame.left()) / frame.width(), (place.y() - frame.top()) / frame.height()
-        return nearest_row(self._chart_picture.points, x, y, frame.height() / frame.width(), GRASP / frame.width())
-
-    def _frame(self) -> QRectF:
-        """Rectangle of the picture in the widget."""
-        scale = min(self.width() / self._image.width(), self.height() / self._image.height())
-        width, height = scale * self._image.width(), scale * self._image.height()
-        return QRectF((self.width() - width) / 2.0, (self.height() - height) / 2.0, width, height)
+    def _pick_near(self, plot: ScenePlot, x: float, y: float) -> None:
+        """Signal the row that is drawn nearest to a place."""
+        place, rows = QPointF(plot.place_of(x, y)), [] if self.chart is None else self.chart.rows_of(plot.targets)
+        nearest = nearest_within([plot.distance(place_of_row(row), place) for row in rows], GRASP)
+        if nearest is not None:
+            self.picked.emit(rows[nearest])
 
 
-class StripsView(Painted):
-    """Shows the record behind a point of a chart."""
+class ScenePlot(Plot):
+    """Error over time of every method on the scene with its targets, or without."""
+
+    def __init__(self, chart: ChartPlots, targets: bool) -> None:
+        super().__init__(f"Error over time {WITH[targets]}", y="error beyond 1.4 × altitude")
+        self._chart, self.targets = chart, targets
+
+    def draw(self, canvas: Canvas) -> None:
+        """Draw lines through the settings of each method, the best for their time, and what is not resolved."""
+        chart = self._chart.chart
+        if chart is None:
+            self.say((OVER_WATER, "nothing measured yet"))
+            return
+        rows, reference = chart.rows_of(self.targets), chart.scenes[self.targets].reference
+        one = len(chart.scenes) == 1
+        self.words = f"time per ping{'' if one else ' ' + WITH[self.targets]}", self.words[1]
+        canvas.number("bottom", [(k, format_duration(10.0 ** (k - 6))) for k in range(-1, 9)])
+        canvas.number("left", [(k, f"{10.0 ** (k + 2):g} %") for k in range(-5, 2)])
+        times, errors = np.array([place_of_row(row) for row in chart.rows]).T
+        low, high = (errors.min() - 0.5, errors.max() + 0.6)
+        ends = float(times.min() - 0.3), float(times.max() + 0.3)
+        floor = math.log10(max(reference.floor, FLOOR))
+        canvas.area(np.array(ends), np.full(2, floor), low, EDGE)
+        front = np.array([place_of_row(row) for row in chart.find_front(self.targets)]).reshape(-1, 2).T
+        canvas.line(front[0], front[1], EDGE, 7.0)
+        canvas.name_lines((6.0, -4.0))
+        for method in dict.fromkeys(row.method for row in rows):
+            points = np.array([place_of_row(row) for row in rows if row.method == method])
+            family = method.partition(",")[0]
+            colour = FAMILIES.get(family, TEXT)
+            usual = method in (family, PLAN)
+            canvas.line(points[:, 0], points[:, 1], colour, 1.5 if usual else 0.7, name=family if usual else None)
+            canvas.dots(points, colour, 8.0 if usual else 5.0)
+        for row in rows:
+            if row.method in FAMILIES:
+                canvas.words(row.label, *place_of_row(row), QUIET, (0.5, 1.1))
+            if row is self._chart.chosen:
+                canvas.dots(place_of_row(row), None, 18.0, ACCENT, 3.0)
+        self.say()
+        self.limit(ends, (float(low), float(high)))
+
+
+class StripsView(QWidget):
+    """Shows the record behind a point of a chart, the exact one, and their difference."""
 
     def __init__(self) -> None:
-        super().__init__(minimumHeight=3 * (TITLE + 16) + RULER)
-        self._details: RowDetails | None = None
+        super().__init__()
+        self.setMinimumHeight(150)
+        self._strips = [StripPlot(last=number == 2) for number in range(3)]
+        self._titles = [make_label("figure", form=Qt.TextFormat.RichText) for _ in self._strips]
+        column = fill(QVBoxLayout(self), margins=(0, 0, 0, 0), spacing=0)
+        for title, strip in zip(self._titles, self._strips):
+            column.addWidget(title)
+            column.addWidget(strip, 1)
 
     def show_details(self, details: RowDetails) -> None:
         """Show a record beside its reference."""
-        self._details = details
-        self.update()
+        low, high = choose_contrast(details.reference)
+        largest, shades = LARGE * (high - low), load_palette(PALETTES[0])
+        moved = details.record - details.reference
+        bright, dark = (f'<span style="color:{c.name()}">{words}</span>' for c, words in DIFFERENCE)
+        rows = (
+            (f"record: {details.row.method}, {details.row.setting}", details.record, (low, high), shades),
+            (f"exact: {details.rays:,} rays a side", details.reference, (low, high), shades),
+            (
+                f"difference, in full colour where it is half the span of the picture: {bright} or {dark}",
+                *(moved, (-largest, largest), two_sided_palette()),
+            ),
+        )
+        for title, strip, (words, pixels, levels, palette) in zip(self._titles, self._strips, rows):
+            title.setText(words)
+            strip.show_picture(pixels, levels, palette, details.reach)
 
-    def paint(self, painter: QPainter) -> None:
-        """Draw the strips with their titles, and the ruler."""
-        painter.fillRect(self.rect(), QColor(GROUND))
-        if (details := self._details) is not None:
-            low, high = choose_contrast(details.reference)
-            shades = colour_table(load_palette(PALETTES[0]))
-            largest = LARGE * (high - low)
-            record = ((f"record: {details.row.method}, {details.row.setting}", TEXT),)
-            exact = ((f"exact: {details.rays:,} rays a side", TEXT),)
-            self._draw(painter, 0, record, details.record, (low, high), shades)
-            self._draw(painter, 1, exact, details.reference, (low, high), shades)
-            moved = details.record - details.reference
-            self._draw(painter, 2, DIFFERENCE, moved, (-largest, largest), two_sided_table())
-            self._draw_ruler(painter, details.reach)
 
-    def _draw(
-        self,
-        painter: QPainter,
-        number: int,
-        title: tuple[tuple[str, QColor], ...],
-        strip: Singles,
-        ends: tuple[float, float],
-        table: NDArray[np.uint32],
-    ) -> None:
-        place = self._place(number)
-        line = place.adjusted(0, -TITLE, 0, 0)
-        for words, colour in title:
-            painter.setPen(QColor(colour))
-            painter.drawText(line, Qt.AlignmentFlag.AlignLeft, words)
-            line.setLeft(line.left() + painter.fontMetrics().horizontalAdvance(words))
-        pixels = colour_rows(column_means(strip, place.width()), *ends, table)
-        rows, width = pixels.shape
-        painter.drawImage(place, QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32))
+class StripPlot(Plot):
+    """A record over slant range, port to the left."""
 
-    def _place(self, number: int) -> QRect:
-        """Rectangle of a strip."""
-        tall = (self.height() - RULER) / 3.0
-        top = round(number * tall) + TITLE
-        return QRect(LEFT, top, max(self.width() - LEFT - RIGHT, 2), max(round((number + 1) * tall) - top - 2, 1))
+    def __init__(self, *, last: bool) -> None:
+        super().__init__("Record of a point of the chart", still=True, grid=False)
+        self.setMinimumHeight(40 if last else 16)
+        self._last = last
+        self._shown: tuple[Any, ...] | None = None
 
-    def _draw_ruler(self, painter: QPainter, reach: float) -> None:
-        """Draw metres of slant range from nadir to both sides."""
-        last = self._place(2)
-        middle, base = last.left() + last.width() / 2.0, last.bottom() + 2
-        for value in round_steps(0.0, reach, max(last.width() // 160, 1)):
-            for x in {middle - value / reach * last.width() / 2.0, middle + value / reach * last.width() / 2.0}:
-                painter.setPen(QColor(EDGE))
-                painter.drawLine(int(x), base, int(x), base + 4)
-                painter.setPen(QColor(QUIET))
-                unit = " m" if value == 0.0 else ""
-                painter.drawText(
-                    QRect(int(x) - 40, base + 5, 80, 15), Qt.AlignmentFlag.AlignHCenter, f"{value:g}{unit}"
-                )
+    def show_picture(self, *shown: Any) -> None:
+        """Show amplitudes, their levels, the palette, and the greatest slant range."""
+        self._shown = shown
+        self.redraw()
+
+    def draw(self, canvas: Canvas) -> None:
+        """Draw the record."""
+        canvas.hideAxis("left")
+        canvas.showAxis("bottom", self._last)
+        if self._shown is not None:
+            pixels, levels, palette, reach = self._shown
+            canvas.picture(pixels, (-reach, reach), (0.0, len(pixels)), levels=levels, lut=palette)
+            canvas.number(
+                "bottom", [(at, f"{abs(at):g}" + " m" * (at == 0.0)) for at in round_steps(-reach, reach, 12)]
+            )
+            self.limit((-reach, reach), (len(pixels), 0.0))

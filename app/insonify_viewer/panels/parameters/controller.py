@@ -147,10 +147,10 @@ class ParametersPanel(Panel):
 
     def _show_strip(self) -> None:
         """Show in the strip the fields that are lit, else those that the scene is about, else the first."""
-        fields = {field.path: alone(field) for section in self._shown for field in section.parameters}
+        fields = {field.path: field for section in self._shown for field in section.parameters}
         about = [path for path in self._session.scene.controls if path in fields]
         lit = [path for path in self._lit if path in fields]
-        self.strip.show_fields([fields[path] for path in lit or about or fields], lit)
+        self.strip.show_fields((alone(fields[path]) for path in lit or about or fields), lit)
 
     def _show_effects(self) -> None:
         scene = self._session.scene

@@ -2,12 +2,11 @@
 
 import html
 import math
-from dataclasses import dataclass
-from typing import Self
+from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from insonify.arrays import Floats
@@ -18,19 +17,19 @@ from insonify_viewer.state.quantities import format_share
 from insonify_viewer.widgets import theme
 from insonify_viewer.widgets.buttons import make_label, push_button
 from insonify_viewer.widgets.layouts import fill, make_splitter
-from insonify_viewer.widgets.painting import PaintedOnce, round_steps
+from insonify_viewer.widgets.plot import Canvas, Plot
 from insonify_viewer.widgets.text import ThemedText
 
 HINT = (
     "Click a pixel of the record to see why it is bright or dark. Click a place in the 3-D view to light up the pixels "
     "that receive its echo."
 )
-LEFT, RIGHT, TOP, BOTTOM = 46.0, 22.0, 10.0, 22.0  # px at the usual size of the text
 BELOW, ABOVE = 0.12, 0.08  # of the water's height, drawn below the bed and above the sonar
 FLATTEST = 1e-9  # least extent of heights as a share of them, so that their edges are two numbers
 
 WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", theme.ACCENT_IN_WATER, "#0a0604"
 BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
+SOLID, DASHED = Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine
 ARC = 96  # points of the ring of equal slant range
 
 MOST = 6  # contributions, and what hides, that are listed
@@ -86,166 +85,96 @@ class PixelView(QWidget):
         self.same_place.hide()
 
 
-@dataclass(frozen=True)
-class SectionScales:
-    """Scales of one cross-section in a widget."""
+class SectionView(Plot):
+    """Cross-section of the beam with the rays of a pixel."""
 
-    area: QRectF  # of the plot, px
-    reach: float  # ground range at the far end, m
-    low: float  # heights at the lower and the upper edge, m
-    high: float
-    mirrored: bool  # whether ground range grows to the left, as on the port side of the record
-    text: float = 1.0  # size of the text over the usual one
-
-    @classmethod
-    def of(cls, section: CrossSection, size: tuple[float, float], surfaced: bool, text: float = 1.0) -> Self:
-        """Fit a section into a widget; ``surfaced`` shows the sea surface too, ``text`` enlarges the margins."""
-        bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
-        sonar = float(section.sonar.place[2])
-        high = section.sonar.surface if surfaced else sonar
-        # A fish towed at a depth may be below all of a measured bed.
-        low = min(float(bed.min()) if bed.size else sonar - 1.0, high)
-        tall = max(high - low, 1.0, FLATTEST * abs(low))
-        left, right, bottom = LEFT * text, RIGHT * text, BOTTOM * text
-        area = QRectF(left, TOP, max(size[0] - left - right, 1.0), max(size[1] - TOP - bottom, 1.0))
-        return cls(area, section.reach, low - BELOW * tall, high + ABOVE * tall, section.side == 0, text)
-
-    def at(self, ground_range: float, height: float) -> QPointF:
-        """Pixel of a ground range and a height, m."""
-        share = ground_range / self.reach
-        share = 1.0 - share if self.mirrored else share
-        y = self.area.bottom() - (height - self.low) / (self.high - self.low) * self.area.height()
-        return QPointF(self.area.left() + share * self.area.width(), y)
-
-    def polygon(self, points: Floats) -> QPolygonF:
-        """Pixels of (n, 2) ground ranges and heights."""
-        return QPolygonF([self.at(x, z) for x, z in points.tolist()])
-
-
-class SectionView(PaintedOnce):
-    """Paints a cross-section with the rays of a pixel."""
+    ground = WATER
 
     def __init__(self) -> None:
-        super().__init__(minimumSize=QSize(100, 110), accessibleName="Cross-section of the beam")
+        name, size = "Cross-section of the beam", QSize(100, 110)
+        super().__init__(name, x="ground range (m)", grid=False, minimumSize=size)
         self._shown: tuple[PixelExplanation, CrossSection] | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
         """Show a pixel in its cross-section; None clears it."""
         self._shown = None if explanation is None or section is None else (explanation, section)
-        self.paint_anew()
+        self.redraw()
 
-    def paint_picture(self, painter: QPainter) -> None:
-        """Paint the section."""
-        if self._shown is not None:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            _paint(painter, *self._shown, (self.width(), self.height()), theme.text_scale(self))
-
-
-def _paint(
-    painter: QPainter, explanation: PixelExplanation, section: CrossSection, size: tuple[int, int], text: float
-) -> None:
-    """Paint water, bed, targets, rays and scales."""
-    ghosts = any(each.path != "direct" for each in explanation.contributions)
-    scales = SectionScales.of(section, size, surfaced=ghosts, text=text)
-    painter.fillRect(scales.area, QColor(WATER))
-    painter.setClipRect(scales.area)
-    _paint_bed(painter, scales, section)
-    _paint_ring(painter, scales, section, explanation.slant_range)
-    _paint_rays(painter, scales, section, explanation)
-    painter.setClipping(False)
-    painter.setPen(_pen(HIDDEN, 1.0))
-    painter.setBrush(QColor(theme.OVER_WATER))
-    painter.drawEllipse(scales.at(0.0, float(section.sonar.place[2])), 5.0, 5.0)
-    _paint_scales(painter, scales, section)
+    def draw(self, canvas: Canvas) -> None:
+        """Draw water, bed, targets and rays over ground range, which grows to the left on the port side."""
+        canvas.setVisible(self._shown is not None)
+        if self._shown is None:
+            return
+        explanation, section = self._shown
+        canvas.unit("left", "m")
+        low, high = heights_shown(section, surfaced=any(each.path != "direct" for each in explanation.contributions))
+        _draw_bed(canvas, section, low)
+        # Places at the slant range of the pixel, were sound to go straight.
+        angle = np.linspace(-0.5 * np.pi, 0.0, ARC)
+        ring = np.column_stack([np.cos(angle), np.sin(angle)]) * explanation.slant_range
+        canvas.line(ring[:, 0], _depth(section, ring[:, 1] + section.sonar.place[2]), RING, 1.0, style=DASHED)
+        _draw_rays(canvas, section, explanation)
+        canvas.dots([(0.0, _depth(section, section.sonar.place[2]))], theme.OVER_WATER, 10.0, HIDDEN)
+        canvas.plotItem.vb.invertX(section.side == 0)
+        self.limit((-0.02 * section.reach, section.reach), (_depth(section, low), _depth(section, high)))
 
 
-def _paint_bed(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
-    """Paint the bed with its visible and hidden stretches, horizons and targets."""
+def heights_shown(section: CrossSection, *, surfaced: bool) -> tuple[float, float]:
+    """Heights at the lower and the upper edge of a section, m; ``surfaced`` shows the sea surface too."""
+    bed = section.bed[np.isfinite(section.bed[:, 1]), 1]
+    sonar = float(section.sonar.place[2])
+    high = section.sonar.surface if surfaced else sonar
+    # A fish towed at a depth may be below all of a measured bed.
+    low = min(float(bed.min()) if bed.size else sonar - 1.0, high)
+    tall = max(high - low, 1.0, FLATTEST * abs(low))
+    return low - BELOW * tall, high + ABOVE * tall
+
+
+def _depth(section: CrossSection, height: Any) -> Any:
+    return section.sonar.surface - height
+
+
+def _draw_bed(canvas: Canvas, section: CrossSection, low: float) -> None:
+    """Draw the bed with its visible and hidden stretches, horizons and targets."""
     bed = section.bed[np.isfinite(section.bed[:, 1])]
     if len(bed):
-        ends = np.array([[bed[-1, 0], scales.low], [bed[0, 0], scales.low]])
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(BED))
-        painter.drawPolygon(scales.polygon(np.concatenate([bed, ends])))
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DotLine))
-    painter.drawLines(_lines(scales, section.horizon))
-    for stretches, colour, width in ((section.visible, HEARD, 2.0), (section.hidden, HIDDEN, 3.5)):
-        painter.setPen(_pen(colour, width))
-        painter.drawLines(_lines(scales, stretches))
+        canvas.area(bed[:, 0], _depth(section, bed[:, 1]), _depth(section, low), BED)
+    _draw_segments(canvas, section, section.horizon, RING, 1.0, style=Qt.PenStyle.DotLine)
+    _draw_segments(canvas, section, section.visible, HEARD, 2.0)
+    _draw_segments(canvas, section, section.hidden, HIDDEN, 3.5)
     for name, face in section.targets:
-        painter.setPen(_pen(TARGET, 2.5))
-        painter.drawLines(_lines(scales, face))
-        _name_target(painter, scales, name, face)
+        _draw_segments(canvas, section, face, TARGET, 2.5)
+        # Beyond and above its top, where the ray from the sonar does not cross it.
+        x, top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
+        canvas.words(name, x, _depth(section, top), TARGET, (1.0 if section.side == 0 else 0.0, 1.0))
 
 
-def _name_target(painter: QPainter, scales: SectionScales, name: str, face: Floats) -> None:
-    """Write the name of a target above it and beyond, where the ray from the sonar does not cross it."""
-    top = face.reshape(-1, 2)[np.argmax(face[..., 1])]
-    place = scales.at(float(top[0]), float(top[1]))
-    width = painter.fontMetrics().horizontalAdvance(name) + 2.0
-    left = place.x() - 6.0 - width if scales.mirrored else place.x() + 6.0
-    left = min(max(left, scales.area.left()), scales.area.right() - width)
-    painter.setPen(QColor(TARGET))
-    top_left = QPointF(left, place.y() - 20.0 * scales.text)
-    painter.drawText(QRectF(top_left, QSizeF(width, 16.0 * scales.text)), Qt.TextFlag.TextDontClip, name)
-
-
-def _paint_ring(painter: QPainter, scales: SectionScales, section: CrossSection, slant_range: float) -> None:
-    """Paint the places at the slant range of the pixel, were sound to go straight."""
-    angle = np.linspace(-0.5 * np.pi, 0.0, ARC)
-    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * slant_range + [0.0, section.sonar.place[2]]
-    painter.setPen(QPen(QColor(RING), 1.0, Qt.PenStyle.DashLine))
-    painter.drawPolyline(scales.polygon(ring))
-
-
-def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection, explanation: PixelExplanation) -> None:
-    """Paint rays, and where they lead."""
+def _draw_rays(canvas: Canvas, section: CrossSection, explanation: PixelExplanation) -> None:
+    """Draw rays, and where they lead."""
     drawn: list[tuple[str, tuple[Floats, ...], Floats]] = [
         (BLOCKED, each.rays[:1], each.places) for each in explanation.obstructions
     ]
     drawn += [(theme.MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
     for colour, rays, places in drawn:
-        painter.setPen(_pen(colour, 1.6))
         for ray in rays:
-            painter.drawPolyline(scales.polygon(_flat(section, ray)))
-        painter.setPen(_pen(colour, 4.0))
-        painter.drawLines(_lines(scales, np.stack([_flat(section, place) for place in places])) if len(places) else [])
+            x, z = _flat(section, ray).T
+            canvas.line(x, _depth(section, z), colour, 1.6)
+        if len(places):
+            _draw_segments(canvas, section, _flat(section, places.reshape(-1, 3)), colour, 4.0)
 
 
-def _paint_scales(painter: QPainter, scales: SectionScales, section: CrossSection) -> None:
-    """Write ground ranges below and depths beside the section."""
-    painter.setPen(QColor(theme.QUIET))
-    area, wide, high = scales.area, 80.0 * scales.text, 16.0 * scales.text
-    for distance in round_steps(0.0, scales.reach, max(int(area.width() / (70 * scales.text)), 1)):
-        x = scales.at(distance, 0.0).x()
-        place = QRectF(x - 0.5 * wide, area.bottom() + 3.0, wide, high)
-        painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{distance:g} m")
-    right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-    surface = section.sonar.surface
-    for depth in round_steps(
-        surface - scales.high, surface - scales.low, max(int(area.height() / (40 * scales.text)), 1)
-    ):
-        y = scales.at(0.0, surface - depth).y()
-        if area.top() <= y <= area.bottom():
-            painter.drawText(QRectF(0.0, y - 0.5 * high, area.left() - 6.0, high), right, f"{depth:g} m")
+def _draw_segments(
+    canvas: Canvas, section: CrossSection, ends: Floats, colour: str, width: float, style: Qt.PenStyle = SOLID
+) -> None:
+    """Draw a line between every two ends, ground range and height each."""
+    x, z = ends.reshape(-1, 2).T
+    canvas.line(x, _depth(section, z), colour, width, segments=True, style=style)
 
 
 def _flat(section: CrossSection, points: Floats) -> Floats:
     """Ground range and height of places in local coordinates, (n, 3) to (n, 2)."""
     level = points[:, :2] - section.sonar.place[:2]
     return np.column_stack([np.hypot(level[:, 0], level[:, 1]), points[:, 2]])
-
-
-def _lines(scales: SectionScales, segments: Floats) -> list[QPointF]:
-    """Pixels of the beginnings and ends of segments, in turns."""
-    return [scales.at(x, z) for x, z in segments.reshape(-1, 2).tolist()]
-
-
-def _pen(colour: str, width: float) -> QPen:
-    pen = QPen(QColor(colour), width)
-    pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-    return pen
 
 
 class BudgetList(ThemedText):

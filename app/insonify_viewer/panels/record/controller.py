@@ -24,10 +24,12 @@ from insonify_viewer.record.measuring import (
 )
 from insonify_viewer.record.projection import Zoom, row_factors
 from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.record.record_overlays import BinErrors
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark, mark_of
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
+ERRORS_OF, FULL = 64, 3.0  # pings whose bins' errors are shown, and tolerances that are drawn in full colour
 OFTEN = 0.25  # s between two histograms of a record that grows
 ABOVE = 4  # a contact is shown this part of the screen below its edge
 
@@ -62,6 +64,7 @@ class RecordPanel(Panel):
             self._followed = now
             self._show_levels()
             self._drape()
+            self._show_errors()
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show the contacts of the scene."""
@@ -78,7 +81,8 @@ class RecordPanel(Panel):
         self._workbench.add_actions(view.keys)
         session.displayed.connect(self._show_display)
         view.changed.connect(lambda options: session.show(**options))
-        view.histogram.dragged.connect(self._drag_ends)
+        view.histogram.ends_dragged.connect(self._drag_ends)
+        view.errors.toggled.connect(lambda _: self._show_errors())
         view.measuring.connect(self._measure)
         view.zoomed.connect(self._zoom)
         view.contact_wanted.connect(lambda: self._mark_contact(self._hovered))
@@ -128,6 +132,32 @@ class RecordPanel(Panel):
         elif self._draped:
             self._workbench.drape(None)
         self._draped = wanted
+
+    def _show_errors(self) -> None:
+        """Lay the errors of the bins of every few pings over the simulated record, or take them off."""
+        simulation, record = self._simulation, self._simulated.record
+        shown = record.shown(self._simulated.top)
+        pings = shown[record.ping[record.rows(shown)] == shown][:: len(shown) // ERRORS_OF + 1]
+        if not self.view.errors.isChecked() or simulation is None:
+            self._simulated.show_errors(None)
+            return
+
+        def work() -> BinErrors:
+            # lazy: loads Numba on the thread; the window opens before
+            from insonify.explanation.pixel import find_bin_errors
+
+            found = find_bin_errors(simulation, pings)
+            shares = np.nan_to_num(np.concatenate([found[:, 0, ::-1], found[:, 1]], axis=1))
+            full = FULL * self._session.modelling.tolerance
+            return BinErrors(pings, shares, np.nan_to_num(simulation.altitude(pings)), full)
+
+        self._workbench.simulator.executor.submit("errors of the record", work, self._take_errors)
+
+    def _take_errors(self, errors: BinErrors | None) -> None:
+        if self.view.errors.isChecked() and errors is not None:
+            self._simulated.show_errors(errors)
+            if not errors.shares.any():
+                self._workbench.say("the method of this record gives no estimate of the error of its bins")
 
     def _show_colours(self) -> None:
         """Show the colours of levels, unless the panel is hidden, as before the window shows."""

@@ -4,19 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import (
-    QAction,
-    QColor,
-    QIcon,
-    QImage,
-    QKeyEvent,
-    QMouseEvent,
-    QPainter,
-    QPen,
-    QPixmap,
-    QPolygonF,
-)
+from PySide6.QtCore import QPointF, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QCheckBox,
     QDoubleSpinBox,
@@ -31,16 +20,15 @@ from PySide6.QtWidgets import (
 from insonify.arrays import Floats, Reals
 from insonify.display.display_options import PALETTES, SCALES, SIDES, DisplayOptions
 from insonify.io.contacts import CONFIDENCES, Contact
-from insonify_viewer.errors import guard_override
 from insonify_viewer.record.tone_map import ToneMap
 from insonify_viewer.state.fields import ChoiceField, NumberField
 from insonify_viewer.widgets.buttons import make, make_action, make_label, push_button, tick_box
 from insonify_viewer.widgets.field_rows import ChoiceRow, Combo, NumberRow
 from insonify_viewer.widgets.layouts import fill, fill_grid
-from insonify_viewer.widgets.painting import Painted
+from insonify_viewer.widgets.plot import Canvas, Plot
 from insonify_viewer.widgets.side_panel import FoldingBox, SidePanel
 from insonify_viewer.widgets.text import literal
-from insonify_viewer.widgets.theme import ACCENT, GROUND, QUIET, RAISED, TEXT
+from insonify_viewer.widgets.theme import QUIET, TEXT
 
 REACH = 30.0  # dB either way
 TICKS = (  # option, label, key, what it does
@@ -82,9 +70,10 @@ SIZES = {
 }
 LARGEST = 10_000.0  # m
 HINT = "Point at the record and press C, or click a pixel, then Mark."
-LOWEST, HIGHEST, STEP = -40.0, 40.0, 20.0  # dB re level bed
-BAR, SCALE, MARGIN = 14, 16, 8  # px
-GRIP = 9.0  # px beside an end in which it is taken hold of
+LOWEST, HIGHEST = -40.0, 40.0  # dB re level bed
+SCALE = (-40.0, "−40"), (-20.0, "−20"), (0.0, "bed"), (20.0, "+20"), (40.0, "+40 dB")
+BINS, COLOURS = 160, 320  # of the histogram and of the bar below it
+BAR = -0.25  # lower edge of the bar, where the highest count is 1
 APART = 0.5  # dB, least distance of the ends
 KEY_STEP = 0.5  # dB
 
@@ -107,6 +96,11 @@ class RecordView(SidePanel):
         tip = "Reset all display options, gains and contrast too"
         self.usual = push_button("Usual display", tip, self._show_usual, wide=True)
         self.histogram = HistogramView()
+        tip = (
+            "Lay the estimated error of each bin over the record: clear where there is none, in full colour from three"
+        )
+        self.errors = tick_box("Estimated error", f"{tip} times the tolerance (Shift+E)")
+        self._key("Estimated error", "Shift+E", self.errors.toggle)
         self.measure = tick_box("Measure a line", f"{MEASURE} (M)")
         self.measure.toggled.connect(self.measuring)
         self._key("Measure a line", "M", self.measure.toggle)
@@ -173,8 +167,9 @@ class RecordView(SidePanel):
             grid.addWidget(self.ticks[name], number // 2, number % 2)
         rows = QWidget()
         fill_grid(QGridLayout(rows), [row.parts for row in self.choices.values()], 3, margins=(0, 4, 0, 0))
-        grid.addWidget(rows, len(TICKS), 0, 1, 2)
-        grid.addWidget(self.usual, len(TICKS) + 1, 0, 1, 2)
+        grid.addWidget(self.errors, len(TICKS), 0)
+        grid.addWidget(rows, len(TICKS) + 1, 0, 1, 2)
+        grid.addWidget(self.usual, len(TICKS) + 2, 0, 1, 2)
 
     def _gain_rows(self) -> QWidget:
         rows = QWidget()
@@ -374,125 +369,57 @@ def _line(name: str) -> QLineEdit:
     return line
 
 
-class HistogramView(Painted):
+class HistogramView(Plot):
     """Shows how often each level occurs, and the colours of the levels."""
 
-    dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
+    ends_dragged = Signal(float, float)  # ends in dB re level bed; minus infinity for silence
 
     def __init__(self) -> None:
-        super().__init__(minimumHeight=104, mouseTracking=True, focusPolicy=Qt.FocusPolicy.TabFocus)
-        self.setAccessibleName("Contrast: levels of the record over the colour bar")
-        self.setToolTip(
+        tip = (
             "How often each level occurs in the record. Drag the ends of the colour bar to set the contrast. Keys: "
             "← → upper end, Shift+← → lower end."
         )
-        self._counts: Floats = np.zeros(1)
-        self._due: Callable[[], Reals] | None = None  # gives the levels to count
-        self._bar = QImage()
+        name, focus = "Contrast: levels of the record over the colour bar", Qt.FocusPolicy.TabFocus
+        super().__init__(name, tip, still=True, grid=False, minimumHeight=104, focusPolicy=focus)
+        self._counts: Floats = np.zeros(BINS)
+        self._find: Callable[[], Reals] | None = None  # gives the levels to count
+        self._colours = np.zeros((1, COLOURS, 3), np.uint8)
         self.ends = (LOWEST, HIGHEST)
-        self._held: int | None = None
-
-    @guard_override(QSize())
-    def sizeHint(self) -> QSize:
-        """Preferred size."""
-        return QSize(260, 112)
+        self.dragged.connect(lambda number, level, _: self._move(number, level if level > LOWEST else -np.inf))
 
     def show_levels(self, find: Callable[[], Reals]) -> None:
-        """Count levels in dB re level bed when they are next painted: behind a tab, never."""
-        self._due = find
-        self.update()
-
-    def _count(self) -> None:
-        """Count the levels that are due."""
-        find, self._due = self._due, None
-        if find is not None:
-            counts, _ = np.histogram(find(), bins=160, range=(LOWEST, HIGHEST))
-            self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
+        """Count levels in dB re level bed when they are next drawn: behind a tab, never."""
+        self._find = find
+        self.redraw()
 
     def show_colours(self, tone_map: ToneMap) -> None:
         """Show the colours of levels, and the ends of the palette."""
         with np.errstate(divide="ignore"):
             ends = tone_map.ends if tone_map.decibels else 20.0 * np.log10(np.maximum(tone_map.ends, 0.0))
         self.ends = float(ends[0]), float(ends[1])
-        levels = np.linspace(LOWEST, HIGHEST, 320, dtype=np.float32)
-        self._words = np.ascontiguousarray(tone_map.colours(10.0 ** (levels / np.float32(20.0)))[None, :])
-        # The image shares the memory of the words.
-        self._bar = QImage(self._words.data, 320, 1, 4 * 320, QImage.Format.Format_RGB32)
-        self.update()
+        self.marks = [(min(max(end, LOWEST), HIGHEST), 0.5 * BAR) for end in self.ends]  # over the colour bar
+        levels = np.linspace(LOWEST, HIGHEST, COLOURS, dtype=np.float32)
+        words = tone_map.colours(10.0 ** (levels / np.float32(20.0)))[None, :, None]
+        self._colours = (words >> np.array([16, 8, 0], np.uint32) & 0xFF).astype(np.uint8)
+        self.redraw()
 
-    def place_of(self, decibels: float) -> float:
-        """Horizontal place of a level in px, at an edge where it lies beyond."""
-        share = (min(max(decibels, LOWEST), HIGHEST) - LOWEST) / (HIGHEST - LOWEST)
-        return MARGIN + share * (self.width() - 2 * MARGIN)
+    def draw(self, canvas: Canvas) -> None:
+        """Draw histogram, colour bar and its ends."""
+        find, self._find = self._find, None
+        if find is not None:
+            counts, _ = np.histogram(find(), bins=BINS, range=(LOWEST, HIGHEST))
+            self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
+        canvas.hideAxis("left")
+        canvas.number("bottom", SCALE)
+        canvas.area(np.linspace(LOWEST, HIGHEST, BINS), self._counts, 0.0, QUIET)
+        canvas.picture(self._colours, (LOWEST, HIGHEST), (BAR, 0.0))
+        for end, _ in self.marks:
+            canvas.rule(end, TEXT, style=Qt.PenStyle.SolidLine)
+        self.limit((LOWEST - 4.0, HIGHEST + 8.0), (BAR, 1.05))
 
-    def level_at(self, x: float) -> float:
-        """Level at a horizontal place in px; minus infinity at the left edge and beyond."""
-        share = (x - MARGIN) / max(self.width() - 2 * MARGIN, 1)
-        return -np.inf if share <= 0.0 else LOWEST + min(share, 1.0) * (HIGHEST - LOWEST)
-
-    def paint(self, painter: QPainter) -> None:
-        """Draw histogram, colour bar, its ends and a scale."""
-        self._count()
-        base = self.height() - BAR - SCALE
-        area = QRectF(MARGIN, 2.0, self.width() - 2 * MARGIN, base - 2.0)
-        painter.fillRect(area, QColor(RAISED))
-        self._draw_counts(painter, area)
-        painter.drawImage(QRectF(MARGIN, base, area.width(), BAR), self._bar, QRectF(self._bar.rect()))
-        align = {LOWEST: Qt.AlignmentFlag.AlignLeft, HIGHEST: Qt.AlignmentFlag.AlignRight}
-        for level in np.arange(LOWEST, HIGHEST + 1.0, STEP).tolist():
-            place = QRectF(self.place_of(level) - 30.0, base + BAR, 60.0, SCALE)
-            painter.setPen(QColor(QUIET))
-            text = "bed" if level == 0.0 else f"{level:+.0f}".replace("-", "−") + (" dB" if level == HIGHEST else "")
-            inside = place.translated({LOWEST: 30.0, HIGHEST: -30.0}.get(level, 0.0), 0.0)
-            painter.drawText(inside, align.get(level, Qt.AlignmentFlag.AlignHCenter), text)
-        self._draw_ends(painter, base)
-
-    def _draw_counts(self, painter: QPainter, area: QRectF) -> None:
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(QUIET))
-        x = np.linspace(area.left(), area.right(), self._counts.size)
-        y = area.bottom() - self._counts * (area.height() - 4.0)
-        line = [QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())]
-        painter.drawPolygon(QPolygonF([QPointF(x[0], area.bottom()), *line, QPointF(x[-1], area.bottom())]))
-
-    def _draw_ends(self, painter: QPainter, base: int) -> None:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for number, end in enumerate(self.ends):
-            x = self.place_of(end)
-            painter.setPen(QPen(QColor(ACCENT if self._held == number or self.hasFocus() else TEXT), 1.5))
-            painter.drawLine(QPointF(x, 2.0), QPointF(x, base + BAR))
-            painter.setPen(QPen(QColor(GROUND), 1.0))
-            painter.setBrush(QColor(ACCENT if self._held == number else TEXT))
-            painter.drawRoundedRect(QRectF(x - 4.0, base - 2.0, 8.0, BAR + 4.0), 3.0, 3.0)
-
-    def _end_at(self, x: float) -> int | None:
-        """Which end lies at a place; of both, the one on the side of the place."""
-        away = [abs(x - self.place_of(end)) for end in self.ends]
-        if min(away) > GRIP:
-            return None
-        if abs(away[0] - away[1]) < 1.0:
-            return int(x >= self.place_of(self.ends[1]))
-        return int(away[1] < away[0])
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of an end."""
-        if event.button() is Qt.MouseButton.LeftButton:
-            self._held = self._end_at(event.position().x())
-            self.update()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag an end."""
-        x = event.position().x()
-        if self._held is None:
-            there = self._end_at(x) is not None
-            self.setCursor(Qt.CursorShape.SizeHorCursor if there else Qt.CursorShape.ArrowCursor)
-        else:
-            self._move(self._held, self.level_at(x))
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go of an end."""
-        self._held = None
-        self.update()
+    def distance(self, mark: tuple[float, float], place: QPointF) -> float:
+        """Distance from a line through an end, px."""
+        return abs(self.place_of(*mark).x() - place.x())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move an end by half a decibel."""
@@ -505,6 +432,7 @@ class HistogramView(Painted):
 
     def _move(self, number: int, level: float) -> None:
         low, high = self.ends
+        level = min(level, HIGHEST)
         low, high = (min(level, high - APART), high) if number == 0 else (low, max(level, low + APART, LOWEST + APART))
         if (low, high) != self.ends:
-            self.dragged.emit(low, high)
+            self.ends_dragged.emit(low, high)

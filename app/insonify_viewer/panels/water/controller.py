@@ -59,7 +59,7 @@ class WaterPanel(Panel):
         if bent and not self._bent:
             self._workbench.open_panel(self.name)
         self._bent, self._settled = bent, settled
-        self.view.newest = _points(scene)
+        self.view.show_points(_points(scene))
         self._trace()
 
     def _aim(self, distance: float, depth: float) -> None:
@@ -91,8 +91,7 @@ class WaterPanel(Panel):
         if isinstance(diagram, SceneError):
             self._workbench.complain(diagram)
         else:
-            assert self._shown is not None
-            self.view.show_diagram(diagram, _points(self._shown[0]))
+            self.view.show_diagram(diagram)
         self._trace()
 
 

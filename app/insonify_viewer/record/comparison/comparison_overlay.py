@@ -25,7 +25,7 @@ from insonify_viewer.record.comparison.record_difference import FLOOR
 from insonify_viewer.record.record_image import EMPTY
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.widgets.arrow_keys import modifiers_of
-from insonify_viewer.widgets.painting import Painted, draw_veil, two_sided_table
+from insonify_viewer.widgets.painting import Painted, colour_table, draw_veil, two_sided_palette
 from insonify_viewer.widgets.theme import ACCENT, ACCENT_IN_WATER, GROUND, MARK, TEXT
 
 GRIP = 6  # px beside the split line in which it is taken hold of
@@ -201,7 +201,7 @@ class ComparisonOverlay(Painted):
         wanted = (self._a.image.version, self._b.image.version, self._b.top, QRect(plot))
         if self.difference is None or wanted != self._difference_of:
             self._difference_of = wanted
-            self.difference = draw_difference(self._decibels(), two_sided_table(), EMPTY)
+            self.difference = draw_difference(self._decibels(), colour_table(two_sided_palette()), EMPTY)
         painter.save()
         painter.setClipRect(plot)
         painter.fillRect(plot, QColor(EMPTY))

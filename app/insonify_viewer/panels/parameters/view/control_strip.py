@@ -1,7 +1,7 @@
 """A few fields in large type, for the strip of a lecture."""
 
-from collections.abc import Sequence
-from itertools import chain
+from collections.abc import Iterable, Sequence
+from itertools import chain, islice
 from typing import Any
 
 from PySide6.QtGui import QFont, QFontMetrics, QResizeEvent
@@ -37,9 +37,9 @@ class ControlStrip(QWidget):
         self._grid.setHorizontalSpacing(APART)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
 
-    def show_fields(self, fields: Sequence[Parameter], lit: Sequence[str] = ()) -> None:
+    def show_fields(self, fields: Iterable[Parameter], lit: Sequence[str] = ()) -> None:
         """Show the first fields with a number or a choice, and light some of them by their paths."""
-        shown = [field for field in fields if isinstance(field, (NumberField, ChoiceField))][:MOST]
+        shown = list(islice((field for field in fields if isinstance(field, (NumberField, ChoiceField))), MOST))
         structure = tuple((field.path, field.label, getattr(field, "options", ())) for field in shown)
         if structure != self._structure:
             self._structure = structure

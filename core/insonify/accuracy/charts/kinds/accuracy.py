@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from insonify.accuracy.charts import method_settings, style
 from insonify.accuracy.charts.chart import Chart, ChartTable
@@ -178,7 +177,7 @@ class AccuracyChart(Chart):
         return f"{bound} in {style.format_time(sweep)} by {how}, in {style.format_time(exact)} by exact rays: × {times}"
 
     def describe_parts(self) -> tuple[str, ...]:
-        """State the errors of bed, shadows and targets apart, of the default plan and of rays."""
+        """State the errors of bed, shadows and targets apart, of plans and of rays."""
         if len(self.scenes) < 2:
             return ()
         lines = []
@@ -236,11 +235,11 @@ class AccuracyChart(Chart):
 
     def draw(self) -> Figure:
         """Draw error against time per ping, with the Pareto front."""
-        return draw_accuracy(self)[0]
+        return _draw_accuracy(self)
 
 
-def draw_accuracy(chart: AccuracyChart) -> tuple[Figure, dict[Line2D, list[AccuracyRow]]]:
-    """Draw error against time per ping and the Pareto front; return the rows at the points of each line for picking."""
+def _draw_accuracy(chart: AccuracyChart) -> Figure:
+    """Draw error against time per ping and the Pareto front."""
     panels = len(chart.scenes)
     width = LEFT + WIDE * panels + NAMES
     remarks = (*chart.describe_parts(), *chart.notes)
@@ -255,12 +254,11 @@ def draw_accuracy(chart: AccuracyChart) -> tuple[Figure, dict[Line2D, list[Accur
     bottom = (BELOW + NOTE * len(notes)) / height
     figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.65 / height, wspace=0.09)
     figure.text(0.85 / width, 0.36 / height, "\n".join(notes), va="bottom", fontsize=8.5, color=FAINT)
-    marks: dict[Line2D, list[AccuracyRow]] = {}
     # Drawn in full: the sweep as a plan divides it, rays, a march, the plan, straight rays.
     sweep, _ = chart.fastest_sweep(COMPARED_ERROR, max(chart.scenes))
     shown = (sweep, "rays", "march", method_settings.PLAN, STRAIGHT)
     for axes, targets in zip(grid, sorted(chart.scenes)):
-        marks |= _draw_panel(axes, chart, targets, shown)
+        _draw_panel(axes, chart, targets, shown)
     floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
     heights = [*map(_height, chart.rows), *floors]
     grid[0].margins(x=0.08)  # room for labels
@@ -277,16 +275,14 @@ def draw_accuracy(chart: AccuracyChart) -> tuple[Figure, dict[Line2D, list[Accur
         labels = [
             (row.label, row.microseconds, _height(row), style.style_of(row.method)[0])
             for row in chart.rows_of(targets)
-            if row.method in shown[:3]
+            if row.method in shown[:4]
         ]
         style.place_labels(axes, labels)
     label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
-    return figure, marks
+    return figure
 
 
-def _draw_panel(
-    axes: Axes, chart: AccuracyChart, targets: bool, shown: tuple[str, ...]
-) -> dict[Line2D, list[AccuracyRow]]:
+def _draw_panel(axes: Axes, chart: AccuracyChart, targets: bool, shown: tuple[str, ...]) -> None:
     """Draw one scene: the front, then every method's points with a line through them."""
     style.scale_axes(axes, x=style.format_time, y=style.format_percent)
     label_axes(axes, "time per ping, both sides, one thread", size=10.5, pad=6)
@@ -306,22 +302,19 @@ def _draw_panel(
     whole.xaxis.set_major_formatter(lambda many, _: style.format_time(many))
     label_axes(whole, f"{RECORD} pings", size=9.0, pad=4)
     whole.tick_params(labelsize=9.0, colors=FAINT)
-    marks: dict[Line2D, list[AccuracyRow]] = {}
     for method, rows in style.group_by(chart.rows_of(targets), lambda row: row.method).items():
-        marks[(_draw_method if method in shown else _draw_folded)(axes, method, rows)] = rows
-    return marks
+        (_draw_method if method in shown else _draw_folded)(axes, method, rows)
 
 
-def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
+def _draw_folded(axes: Axes, method: str, rows: list[AccuracyRow]) -> None:
     """Draw the settings of a method that answers a special question as small grey marks."""
-    (line,) = axes.plot(
+    axes.plot(
         [row.microseconds for row in rows], [_height(row) for row in rows], linestyle="none", marker=".", markersize=5,
-        color=FAINT, alpha=0.7, zorder=2, label=FOLDED, picker=5,
+        color=FAINT, alpha=0.7, zorder=2, label=FOLDED,
     )  # fmt: skip
-    return line
 
 
-def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
+def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> None:
     """Draw a line through the settings of a method and a mark for each."""
     x, y = [row.microseconds for row in rows], [_height(row) for row in rows]
     colour, mark = style.style_of(method)
@@ -329,12 +322,11 @@ def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
     axes.errorbar(
         x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
     )
-    (line,) = axes.plot(
+    axes.plot(
         x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else mark,
-        markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
-        label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method, picker=5,
+        markersize=11.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
+        label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method,
     )  # fmt: skip
-    return line
 
 
 def _name_methods(figure: Figure, grid: list[Axes]) -> None:
@@ -427,7 +419,7 @@ def _measure(
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
     named = {
         method_settings.SettingKey(one.method, one.setting, targets): one
-        for one in (*method_settings.list_settings(arrays, poses), method_settings.plan_setting(whole))
+        for one in (*method_settings.list_settings(arrays, poses), *method_settings.plan_settings(whole))
     }
     records: dict[method_settings.SettingKey, Singles] = {}
     for number, (key, one) in enumerate(named.items()):
