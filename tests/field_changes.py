@@ -206,7 +206,7 @@ for kind, (given, changes) in WATERS.items():
 # A sea so shallow that all ghosts are within range.
 SHALLOW = {"seabed.depth": 10.0}
 CHANGES |= fields("water[uniform]", SHALLOW, surface="flat")
-for kind, own in {"flat": {}, "rough": {"wind_speed": 7.0}}.items():
+for kind, own in {"flat": {}, "rough": {"wind_speed": 7.0, "gravity": 3.7}}.items():
     needs = SHALLOW | {"water.surface": kind}
     CHANGES |= fields(f"water[uniform].surface[{kind}]", needs, **dict.fromkeys(WAYS, False), **own)
 

@@ -377,14 +377,14 @@ def prepare(
             plan = choose_model(packed, tolerance, method, wishes)
             if plan.error > tolerance:
                 warn_caller(PlanWarning(plan.describe_excess(tolerance)))
-        arrays, tracer = packed.straighten(plan.model), prepare_tracer(packed, plan.model)
+        arrays, tracer = packed.arrays_in_water(plan.model), prepare_tracer(packed, plan.model)
         return Simulation(
             packed.scene,
             packed.ground,
             arrays,
             plan=plan,
             tolerance=tolerance,
-            reduced=packed.reduce(plan.model),
+            reduced=packed.modelled_arrays(plan.model),
             tiles=packed.ground_tiles(plan.model.every, tracer.bins_beyond),
             tracer=tracer,
             reception=assemble(prepare_setup(packed.scene, packed.ground, arrays)),

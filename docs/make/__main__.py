@@ -38,9 +38,8 @@ GENERATED: dict[str, Callable[[], str]] = {
     "architecture/rooms.md": packages.page,
     **courses.pages(),
 }
-TIMES = re.compile(
-    r" +(-|[\d.]+(e[+-]?\d+)? µs)$", re.MULTILINE
-)  # measured at every run; a page is not out of date for them
+# Measured at every run; a page is not out of date for them.
+TIMES = re.compile(r" +(-|[\d.]+(e[+-]?\d+)? [µm]s)$|^Cost .*$|(?<=, )[\d.]+ % less\n? *work", re.MULTILINE)
 DRAWN: dict[str, Callable[[], None]] = {
     "figures": lambda: figures.draw(DOCS / "pictures"),
     "stability": lambda: failures.write(DOCS),
@@ -87,19 +86,25 @@ def _reference(arguments: argparse.Namespace) -> list[str]:
 
 def _pages(arguments: argparse.Namespace) -> list[str]:
     """Run the commands and programs of the written pages; return the pages whose printed output differs."""
-    stale = []
-    for path in [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]:
-        name = path.relative_to(DOCS).as_posix() if path.is_relative_to(DOCS) else f"../{path.name}"
-        if name in GENERATED or name.startswith("reference/scene"):
-            continue
-        text = path.read_text(encoding="utf-8")
-        wanted = _wanted(name, arguments.names)
-        made = speeds.quote(pages.run(text, None if arguments.check else path) if wanted else text)
+    stale: dict[str, None] = {}
+    written = {path.relative_to(DOCS).as_posix(): path for path in sorted(DOCS.rglob("*.md"))}
+    written = {name: path for name, path in written.items() if name not in GENERATED and "reference/scene" not in name}
+    written["../README.md"] = DOCS.parent / "README.md"
+
+    def rewrite(name: str, made: str, text: str) -> None:
         if TIMES.sub("", made) != TIMES.sub("", text):
-            stale.append(name)
+            stale[name] = None
             if not arguments.check:
-                path.write_text(made, encoding="utf-8")
-    return stale
+                written[name].write_text(made, encoding="utf-8")
+
+    for name, path in written.items():
+        if _wanted(name, arguments.names):
+            text = path.read_text(encoding="utf-8")
+            rewrite(name, pages.run(text, None if arguments.check else path), text)
+    for name, path in written.items():  # once the pages that they are quoted from are made
+        text = path.read_text(encoding="utf-8")
+        rewrite(name, speeds.quote(text), text)
+    return list(stale)
 
 
 if __name__ == "__main__":

@@ -176,7 +176,7 @@ def _check(step: Step) -> str:
     ask = step.ask
     if ask is None:
         return "nothing: shown on demand"
-    calls = [name for name, each in QUANTITIES.items() if each.measure and f"{name}(" in ask.value]
+    calls = ask.measured or [name for name, each in QUANTITIES.items() if each.measure and f"{name}(" in ask.value]
     return " and ".join(
         words
         for words, holds in (

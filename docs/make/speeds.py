@@ -1,4 +1,4 @@
-"""Figures of speed that pages quote: all of them are read from the charts on the page of accuracy."""
+"""Figures of speed that pages quote: all are read from the charts and the plan that the documentation prints."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import re
 from functools import cache
 from pathlib import Path
 
-PAGE = Path(__file__).resolve().parents[1] / "accuracy" / "index.md"
+DOCS = Path(__file__).resolve().parents[1]
+CHARTS, PLAN = DOCS / "accuracy" / "index.md", DOCS / "tutorial" / "first-record.md"
 # A quoted figure is a link whose title names it: [59](accuracy/index.md "measured: ratio with targets")
 QUOTED = re.compile(r'\[[^\]\n]*\](\([^)\s]+ "measured: ([\w ]+)"\))')
 
@@ -18,15 +19,17 @@ def quote(text: str) -> str:
 
 @cache
 def _figures() -> dict[str, str]:
-    """Read the figures from what the charts of the default scene and of rough ground printed."""
-    _, default, rough, *_ = re.split(r"^\$ insonify chart", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    """Read the ratios of the default scene and of rough ground, and what the plan of the default scene says."""
+    charts, plan = CHARTS.read_text(encoding="utf-8"), PLAN.read_text(encoding="utf-8")
+    _, default, rough, *_ = re.split(r"^\$ insonify chart", charts, flags=re.MULTILINE)
     ratios = [re.findall(r"× ([\d.]+)$", chart, re.MULTILINE)[:2] for chart in (default, rough)]
-    found = re.search(r"^default plan.*?: ([\d.]+ %) in ([\d.]+ \S+?),", default, re.MULTILINE)
-    if found is None or any(len(each) < 2 for each in ratios):
-        raise SystemExit(f"{PAGE.name}: the printed charts lack a ratio or the default plan; see docs/make/speeds.py")
+    error = re.search(r"^Error +([\d.]+ %) of the record", plan, re.MULTILINE)
+    cost = re.search(r"^Cost +([\d.]+ \S+) of one thread a ping", plan, re.MULTILINE)
+    if error is None or cost is None or any(len(each) < 2 for each in ratios):
+        raise SystemExit("the printed charts or the plan of the default scene lack a figure; see docs/make/speeds.py")
     return {
-        "error of the default scene": found[1],
-        "ping of the default scene": found[2],
+        "error of the default scene": error[1],
+        "ping of the default scene": cost[1],
         "ratio without targets": ratios[0][0],
         "ratio with targets": ratios[0][1],
         "ratios on rough ground": f"{ratios[1][1]} to {ratios[1][0]}",

@@ -20,7 +20,7 @@ from insonify.accuracy.charts.method_settings import (
     SWEEPS,
     list_settings,
     pack_for_chart,
-    plan_setting,
+    plan_settings,
 )
 from insonify.accuracy.charts.style import fit_power_law
 from insonify.kernels.common.types import no_surface_multipath
@@ -61,13 +61,19 @@ SMALL = edit(
 )  # fmt: skip
 
 
-def test_the_default_plan_is_charted_as_its_record_is_made():
+def test_plans_are_charted_as_their_records_are_made():
     """Some pings take more planes than the plan chooses, so that each keeps the tolerance: the chart times them too."""
     scene = edit(SMALL, {"targets": [{"kind": "pipe", "position": [0.0, 12.0], "heading": 40.0, "length": 8.0}]})
     simulation = prepare(scene)
-    traced = simulation.trace_pings(simulation.poses(np.arange(20)))
+    poses = simulation.poses(np.arange(20))
+    traced = simulation.trace_pings(poses)
     assert traced.planes.max() > simulation.plan.planes
-    np.testing.assert_array_equal(plan_setting(scene).trace(simulation.poses(np.arange(20))), traced.echoes)
+    settings = plan_settings(scene)
+    assert [(one.setting, one.size) for one in settings] == [
+        ("10 %", 0.1), ("3 %", 0.03), ("1 %", 0.01), ("0.3 %", 0.003), ("0.1 %", 0.001)
+    ]  # fmt: skip
+    usual = settings[1]
+    np.testing.assert_array_equal(usual.trace(poses), traced.echoes)
 
 
 def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
@@ -100,6 +106,9 @@ def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
     for method in ("rays", "sweep"):
         errors = [row.errors.beyond for row in measured.rows if row.method == method and not row.targets]
         assert errors[-1] < 0.2 * errors[0]
+    plans = [row for row in measured.rows if row.method == PLAN and not row.targets]
+    assert [row.size for row in plans] == sorted((row.size for row in plans), reverse=True)
+    assert all(row.errors.beyond <= row.size for row in plans[:3])  # of which the reference resolves the errors
     errors = [row.errors.beyond for row in measured.rows if row.method == "rays" and not row.targets]
     assert all(later < earlier for earlier, later in itertools.pairwise(errors))
     found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
@@ -113,7 +122,7 @@ def test_every_method_is_measured_beside_its_reference(monkeypatch, tmp_path):
     for note, which in zip(measured.summarise(), ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")
         assert float(note.split("× ")[1]) > 1.0
-    assert measured.summarise()[2].startswith("default plan, ")
+    assert measured.summarise()[2].startswith("plan, ")
     for each in measured.rows_of(targets=True):
         assert np.linalg.norm(measured.split(each)) == pytest.approx(each.errors.beyond)
 

@@ -45,7 +45,7 @@ def call_of(scene, model, pings=PINGS):
     packed = pack(scene)
     model = model._replace(targets=tuple(range(len(scene.targets))))
     poses = packed.poses(pings[pings < scene.track.pings])
-    tracer, arrays, settings = prepare_tracer(packed, model), packed.reduce(model), Plan(model).settings
+    tracer, arrays, settings = prepare_tracer(packed, model), packed.modelled_arrays(model), Plan(model).settings
     return lambda: tracer.trace(arrays, poses, threads=1, **settings), poses.x.size
 
 

@@ -209,10 +209,11 @@ def draw_range_ruler(
     painter.setPen(QColor(TEXT))
     line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)
     first, last = projection.shown
+    roomy = painter.fontMetrics().horizontalAdvance("port  starboard") <= line.width()
     if first < 0.0:
-        painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
+        painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port" if roomy else "P")
     if last > 0.0:
-        painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
+        painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard" if roomy else "S")
 
 
 def range_ticks(plot: QRect, projection: Projection, text: float) -> list[tuple[float, int]]:

@@ -145,8 +145,7 @@ class SeabedView(QWidget):
         self._fan.move(arrays, pose, scanned, tones)
         self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
         self._sheet_actor.visibility = self._footprint_actor.visibility = True
-        large = text_scale(self) * self.devicePixelRatioF()
-        self._swath.show(pose, scanned, arrays.bins * arrays.bin_length, large, self._window)
+        self._swath.show(pose, scanned, arrays.bins * arrays.bin_length, text_scale(self), self._window)
         self._later()
 
     def show_sheet(self, triangles: Floats) -> None:

@@ -150,7 +150,8 @@ class Lecture(QObject):
     def _begin(self) -> None:
         window, bar = self._window, self._window.menuBar()
         sizes, state = self._views.sizes(), window.windowState()
-        high = bar.minimumHeight(), bar.maximumHeight()
+        high, least = (bar.minimumHeight(), bar.maximumHeight()), window.minimumSize()
+        window.setMinimumSize(1, 1)  # of the panels; the screen of a projector may be smaller
         restore_panels = self._docks.stow(round(LESSON * window.height()))
         for part in (*window.findChildren(QToolBar), window.statusBar()):
             part.setVisible(part is self._strip)
@@ -169,6 +170,7 @@ class Lecture(QObject):
             bar.setMaximumHeight(high[1])
             for part in (*window.findChildren(QToolBar), window.statusBar()):
                 part.setVisible(part is not self._strip)
+            window.setMinimumSize(least)
             window.setWindowState(state)
             restore_panels()
             self._views.setSizes(sizes)

@@ -113,12 +113,13 @@ def _simulate(state: LessonState) -> Dataset:
 def _check_record(ask: Ask, before: _Simulated, after: _Simulated) -> bool:
     """Check one question against the records before and after its move; return whether a record was measured."""
     reader = after.reader(before)
-    if ask.value:
-        expression = parse_expression(ask.value)
-        expected, found = expression.number(after.state.reader(before.state)), expression.number(reader)
+    for text in filter(None, (ask.value, ask.value and ask.measured)):
+        expected = parse_expression(ask.value).number(after.state.reader(before.state))
+        found = parse_expression(text).number(reader)
         if expected is None or found is None or abs(found - expected) > ask.tolerance * abs(expected):
+            shown = _shown(found) if text == ask.value else f"{text} is {_shown(found)}"
             raise SceneError(
-                f"ask: {ask.value} is {_shown(expected)}, but {_shown(found)} in the simulated record; correct the "
+                f"ask: {ask.value} is {_shown(expected)}, but {shown} in the simulated record; correct the "
                 "expression or widen the tolerance"
             )
     if ask.holds and not parse_condition(ask.holds).holds(reader):

@@ -43,6 +43,7 @@ class Ask(Declaration):
     unit: str = ""
     tolerance: float = Field(default=0.05, gt=0.0, le=0.3)
     mistakes: tuple[Mistake, ...] = ()
+    measured: ExpressionText = ""  # the number as the record shows it
     holds: ConditionText = ""
 
     @model_validator(mode="after")
@@ -58,8 +59,8 @@ class Ask(Declaration):
         for choice in self.choices:
             if not (choice.right or choice.because):
                 raise ValueError(f"choice {choice.text!r} is wrong without a reason; name the misconception by because")
-        if self.choices and (self.mistakes or self.unit):
-            raise ValueError("gives a unit or mistakes beside choices; they belong to a number")
+        if self.choices and (self.mistakes or self.unit or self.measured):
+            raise ValueError("gives a unit, mistakes or what is measured beside choices; they belong to a number")
         return self
 
     def in_unit(self, number: float) -> str:

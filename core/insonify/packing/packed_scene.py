@@ -60,19 +60,19 @@ class PackedScene:
         """Return the altitude of the sonar above the bed, in metres, with the bed smoothed as a fish follows it."""
         return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
 
-    def straighten(self, model: Model) -> SceneArrays:
+    def arrays_in_water(self, model: Model) -> SceneArrays:
         """Return the whole scene's arrays, in water without refraction if the model has none."""
         if model.bent:
             return self.arrays
         water = self.arrays.water
         return self.arrays._replace(water=still_water(water.reference, water.surface))
 
-    def reduce(self, model: Model) -> SceneArrays:
+    def modelled_arrays(self, model: Model) -> SceneArrays:
         """Return the scene's arrays without the nodes, targets, paths and bounces that a model leaves out."""
-        arrays = self.straighten(model)
+        arrays = self.arrays_in_water(model)
         ways: dict[str, Any] = {way: getattr(arrays.multipath, way) and way in model.ways for way in WAYS}
         arrays = arrays._replace(
-            bed=self._thin(model.every)[1],
+            bed=self._every_nth_node(model.every)[1],
             multipath=arrays.multipath._replace(enabled=any(ways.values()), **ways),
             bounces=model.bounces,
             limits=arrays.limits._replace(misplaced=model.misplaced),
@@ -84,10 +84,10 @@ class PackedScene:
         """Return the ground about each ping, of every n-th node, wide enough for some bins beyond the last."""
         if (every, bins_beyond) not in self._tiles:
             reach = (self.arrays.bins + bins_beyond) * self.arrays.bin_length
-            self._tiles[every, bins_beyond] = TerrainTiles(self._thin(every)[0], reach)
+            self._tiles[every, bins_beyond] = TerrainTiles(self._every_nth_node(every)[0], reach)
         return self._tiles[every, bins_beyond]
 
-    def _thin(self, every: int) -> tuple[AnyGround, Bed]:
+    def _every_nth_node(self, every: int) -> tuple[AnyGround, Bed]:
         """Ground and bed of every n-th node, made once."""
         if every not in self._thinned:
             kept = self.ground.thinned(every)

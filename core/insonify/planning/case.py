@@ -11,7 +11,7 @@ from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.acoustics.water import bound_straight_rays
 from insonify.arrays import Floats
 from insonify.errors import located
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.planning.probe import SECONDS_OF_WORK, Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
@@ -79,11 +79,6 @@ class Case:
             packed = replace(packed, scene=edit(self.scene, {"receiver.speckle": "none"}))
         pings = choose_probe_pings(self.scene, packed.ground, self.targets, packed.arrays.half_width)
         return Probe(packed, add_loud_pings(packed, pings), self.targets)
-
-    def probe_together(self, models: list[Model]) -> None:
-        """Trace the pings of the probe by some models at once."""
-        if models:
-            self.probe.trace(models)
 
     def work(self, model: Model) -> float:
         """Work of a ping by a model, both sides."""

@@ -327,11 +327,12 @@ def _segments(case: Case, model: Model, wish: Any) -> tuple[float, ...]:
 
 
 def _segments_error(case: Case, model: Model) -> float:
-    """Error against the next finer division; that of finer ones falls in proportion to the share misplaced."""
+    """Error against the finest division; that of other divisions falls in proportion to the share misplaced."""
+    finest = case.bare._replace(misplaced=DIVISIONS[-1])
     if model.misplaced == math.inf:
-        return case.probe.difference(case.bare, case.bare._replace(misplaced=DIVISIONS[1]), nearer=NEARER)
-    divided = (case.bare._replace(misplaced=share) for share in DIVISIONS[1:3])
-    return case.probe.difference(*divided, nearer=NEARER) * 1.5 * model.misplaced / DIVISIONS[1]
+        return case.probe.difference(case.bare, finest, nearer=NEARER)
+    coarsest = finest._replace(misplaced=DIVISIONS[1])
+    return case.probe.difference(coarsest, finest, nearer=NEARER) * model.misplaced / DIVISIONS[1]
 
 
 def _segments_closed(case: Case, model: Model) -> tuple[float, float]:
@@ -342,7 +343,7 @@ def _segments_closed(case: Case, model: Model) -> tuple[float, float]:
 
 
 def _segments_probes(case: Case) -> tuple[Model, ...]:
-    return () if "segments" in case.forced else (case.bare, case.bare._replace(misplaced=DIVISIONS[1]))
+    return () if "segments" in case.forced else (case.bare, case.bare._replace(misplaced=DIVISIONS[-1]))
 
 
 def _say_segments(case: Case, model: Model, error: float) -> Said | None:
@@ -350,7 +351,7 @@ def _say_segments(case: Case, model: Model, error: float) -> Said | None:
         return None
     if model.misplaced == math.inf:
         reason = f"one angle of incidence for each cell of the bed; {percent(error)} "
-        reason += "at most" if error == case.whole_segments_bound else f"from divided ones on {case.pings}"
+        reason += "at most" if error == case.whole_segments_bound else f"from the finest division on {case.pings}"
         return Said("incidence within cells of the bed", reason, False, model._replace(misplaced=DIVISIONS[1]))
     choice = f"segments divided to {percent(model.misplaced)} of a bin's echo"
     reason = "the angle of incidence varies within each cell of the bed"
@@ -581,75 +582,27 @@ def remark(case: Case, model: Model) -> Iterator[PlanEntry]:
         yield PlanEntry("pings", "pings", reason)
 
 
+LADDERS: tuple[tuple[str, tuple[str, ...], tuple[float, float]], ...] = (
+    ("rays", ("1000", "4000", "16000", "64000"), (1, 1 << 22)),
+    ("step", ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"), (1e-6, 1e4)),
+    ("fineness", ("16", "64", "256", "1024"), (1, 1 << 30)),
+)
 # In the order of a plan.
 ROWS = (
     Effect("method", "method", _methods, _say_method, offered=list_methods()[1:]),
-    Effect(
-        "planes",
-        "planes",
-        _planes,
-        _say_planes,
-        planes_error,
-        OF_PLANES,
-        ("2", "4", "8", "16", "32", "64"),
-        (1, 512),
-        probes=_planes_probes,
-    ),
+    Effect("planes", "planes", _planes, _say_planes, planes_error, OF_PLANES,
+           offered=("2", "4", "8", "16", "32", "64"), bounds=(1, 512), probes=_planes_probes),
     Effect("target_planes", "across", _across, _say_across, offered=("0", "4", "8", "16"), bounds=(0, 64)),
-    Effect(
-        "rays",
-        "rays",
-        _ladder_of("rays"),
-        _say_ladder("rays"),
-        _ladder_error("rays"),
-        OF_PLANES,
-        ("1000", "4000", "16000", "64000"),
-        (1, 1 << 22),
-    ),
-    Effect(
-        "step",
-        "step",
-        _ladder_of("step"),
-        _say_ladder("step"),
-        _ladder_error("step"),
-        OF_PLANES,
-        ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2"),
-        (1e-6, 1e4),
-    ),
-    Effect(
-        "fineness",
-        "fineness",
-        _ladder_of("fineness"),
-        _say_ladder("fineness"),
-        _ladder_error("fineness"),
-        OF_PLANES,
-        ("16", "64", "256", "1024"),
-        (1, 1 << 30),
-    ),
-    Effect(
-        "segments",
-        "misplaced",
-        _segments,
-        _say_segments,
-        _segments_error,
-        offered=("whole", "0.03", "0.01", "0.003"),
-        closed=_segments_closed,
-        probes=_segments_probes,
-    ),
-    Effect(
-        "spacing",
-        "every",
-        _spacing,
-        _say_spacing,
-        _spacing_error,
-        offered=("1", "2", "4", "8"),
-        bounds=(1, 64),
-        closed=_spacing_closed,
-    ),
+    *(Effect(field, field, _ladder_of(field), _say_ladder(field), _ladder_error(field), OF_PLANES, offered, bounds)
+      for field, offered, bounds in LADDERS),
+    Effect("segments", "misplaced", _segments, _say_segments, _segments_error,
+           offered=("whole", "0.03", "0.01", "0.003"), closed=_segments_closed, probes=_segments_probes),
+    Effect("spacing", "every", _spacing, _say_spacing, _spacing_error,
+           offered=("1", "2", "4", "8"), bounds=(1, 64), closed=_spacing_closed),
     Effect("bending", "bent", _bending, _say_bending, _bending_error, closed=_bending_closed, probes=_bending_probes),
     Effect("targets", "targets", _near_targets, _say_targets(lambda case: case.near, "")),
     Effect("far_targets", "targets", _far_targets, _say_targets(_far, " out of reach")),
     *(_path_of(way) for way in WAYS),
     Effect("bounces", "bounces", _bounces, _say_bounces, _bounces_error),
-)
+)  # fmt: skip
 BY_SUBJECT = {row.subject: row for row in ROWS}

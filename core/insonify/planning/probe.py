@@ -43,7 +43,7 @@ def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Singles:
     """Trace pings of a scene by a model on one thread, (n, 2, bins)."""
     tracer, settings = prepare_tracer(packed, model), find_tracer(model.method).settings(model)
     found: Singles = packed.ground_tiles(model.every, tracer.bins_beyond).map(
-        lambda tile, some: tracer.trace(tile, some, threads=1, **settings), packed.reduce(model), poses
+        lambda tile, some: tracer.trace(tile, some, threads=1, **settings), packed.modelled_arrays(model), poses
     )
     return found
 
@@ -51,7 +51,7 @@ def trace_model(packed: PackedScene, model: Model, poses: Poses) -> Singles:
 def trace_planes(packed: PackedScene, model: Model, poses: Poses) -> tuple[Singles, Floats]:
     """Trace pings by a swept model on one thread, with the squares of the errors of their planes."""
     settings = find_tracer(model.method).settings(model) | {"threads": 1}
-    tiles, arrays = packed.ground_tiles(model.every, 0), packed.reduce(model)
+    tiles, arrays = packed.ground_tiles(model.every, 0), packed.modelled_arrays(model)
     echoes, squares, *_ = tiles.map(lambda tile, some: trace_measured(tile, some, **settings), arrays, poses)
     return echoes, squares
 
@@ -97,7 +97,7 @@ class Probe:
         if not clear.any():
             refuse_sonar_in_bed(packed.scene, packed.ground, ordered, poses)
         # Pings from below the bed or inside a target are refused when they are simulated.
-        clear[clear] = _find_clear_of_targets(packed.reduce(Model(targets=targets)), take_poses(poses, clear))
+        clear[clear] = _find_clear_of_targets(packed.modelled_arrays(Model(targets=targets)), take_poses(poses, clear))
         self._poses, self._is_across = take_poses(poses, clear), across[clear]
         self._near = find_first_bin(1.0, packed.arrays, self._poses)
         self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
@@ -197,7 +197,7 @@ class Probe:
 
     def folds(self, model: Model) -> bool:
         """Whether several eigenrays or none reach some places from some of the pings."""
-        return bool(make_apparent_tables(self._packed.reduce(model), self._poses)[1].any())
+        return bool(make_apparent_tables(self._packed.modelled_arrays(model), self._poses)[1].any())
 
     def loudest(self, model: Model, most: int) -> tuple[int, ...]:
         """Return the pings of the greatest energy over the level-bed curve by a model."""

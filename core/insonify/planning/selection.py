@@ -200,7 +200,8 @@ def _cheapest(case: Case, tolerance: float) -> Model:
     whole = Model(bent=case.bent, bounces=0 if "bounces" in case.forced else scene.sonar.bounces)
     if case.requested in (AUTO, model.method) and case.choose_tracer(whole) == model.method:
         open_rows = (row for row in ROWS if row.closed(case, model)[1] > row.share * tolerance)
-        case.probe_together([each for row in open_rows for each in row.probes(case)])
+        if models := [each for row in open_rows for each in row.probes(case)]:
+            case.probe.trace(models)
     for row in STAGED:
         model = _choose(case, row, model, tolerance)
         _require(case, row, model)

@@ -170,7 +170,7 @@ def find_tracer(name: str) -> Tracer:
 
 def prepare_tracer(packed: PackedScene, model: Model) -> PreparedTracer:
     """Return the tracer of a model, ready for a packed scene."""
-    return find_tracer(model.method).prepare(packed.scene, packed.straighten(model))
+    return find_tracer(model.method).prepare(packed.scene, packed.arrays_in_water(model))
 
 
 @cache

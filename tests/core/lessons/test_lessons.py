@@ -477,6 +477,7 @@ def test_a_number_is_read_with_point_comma_and_unit(text, number):
         ({"choices": [*CHOICES, CHOICES[1]]}, "two choices of the same text"),
         ({"choices": [CHOICES[0], {"text": "Shorter"}]}, "name the misconception"),
         ({"choices": CHOICES, "unit": "m"}, "belong to a number"),
+        ({"choices": CHOICES, "measured": "altitude()"}, "belong to a number"),
         ({"value": "1 +"}, "a value is missing"),
         ({"value": "1", "tolerance": 0.5}, "tolerance"),
         ({"value": "1", "holds": "1"}, "contains no comparison"),
@@ -561,6 +562,7 @@ def test_a_question_is_checked_against_simulated_records_and_may_be_left_out():
 
 CONTRADICTIONS = [
     ('"shadow_length(21', '"shadow_length(25', "in the simulated record"),
+    ('unit = "m"\nholds', 'unit = "m"\nmeasured = "first_return()"\nholds', "but first_return() is 5 in"),
     ("> before(dark", "< before(dark", "does not hold in the simulated record"),
     ('value = "before(', 'value = "2.5 * before(', "agree within the tolerance"),
     ('targets.0.size.2)"\nunit', 'targets.0.radius)"\nunit', "is not a number in this scene"),

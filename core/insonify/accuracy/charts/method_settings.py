@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
 from insonify.packing.scene_arrays import pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.scene import Scene
-from insonify.simulation import prepare
+from insonify.simulation import Simulation, prepare
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses, take_poses
 from insonify.tracers import march, rays, sweep
@@ -29,7 +29,8 @@ DOUBLE_PLANES = (4, 16, 64)
 # Share of a bin's echo that a segment of a profile may add wrongly before it is divided; beside the default.
 DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 1 %": 0.01}
 SWEEPS = ("sweep", *(f"sweep, {division}" for division in DIVISIONS))  # of the whole scene, however divided
-PLAN = "default plan"
+PLAN = "plan"
+TOLERANCES = (0.1, 0.03, 0.01, 0.003, 0.001)  # of plans
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 
@@ -90,12 +91,18 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
     return out
 
 
-def plan_setting(scene: Scene) -> MethodSetting:
-    """Return the record as it is made at the usual tolerance, on one thread: each ping by the planes that it needs."""
-    simulation = prepare(scene, threads=1)
-    planes = simulation.plan.planes
-    trace = cast("Callable[[Poses], Singles]", simulation.trace)
-    return MethodSetting(PLAN, f"{planes} plane{'s' * (planes > 1)}", planes, trace)
+def plan_settings(scene: Scene) -> list[MethodSetting]:
+    """List what plans choose at tolerances from coarse to fine, as records are made, on one thread."""
+    made = []
+    for tolerance in TOLERANCES:
+        simulation = prepare(scene, tolerance=tolerance, threads=1)
+        made.append(MethodSetting(PLAN, f"{100.0 * tolerance:g} %", tolerance, partial(_trace_pings, simulation)))
+    return made
+
+
+def _trace_pings(simulation: Simulation, poses: Poses) -> Singles:
+    """Trace pings by a plan, each by as many planes as its own error requires."""
+    return simulation.trace_pings(poses).echoes
 
 
 def coarsen_bed(bed: Bed, every: int) -> Bed | None:

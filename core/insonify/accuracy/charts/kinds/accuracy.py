@@ -177,7 +177,7 @@ class AccuracyChart(Chart):
         return f"{bound} in {style.format_time(sweep)} by {how}, in {style.format_time(exact)} by exact rays: × {times}"
 
     def describe_parts(self) -> tuple[str, ...]:
-        """State the errors of bed, shadows and targets apart, of the default plan and of rays."""
+        """State the errors of bed, shadows and targets apart, of plans and of rays."""
         if len(self.scenes) < 2:
             return ()
         lines = []
@@ -275,7 +275,7 @@ def _draw_accuracy(chart: AccuracyChart) -> Figure:
         labels = [
             (row.label, row.microseconds, _height(row), style.style_of(row.method)[0])
             for row in chart.rows_of(targets)
-            if row.method in shown[:3]
+            if row.method in shown[:4]
         ]
         style.place_labels(axes, labels)
     label_axes(grid[0], y="error beyond 1.4 × altitude", size=10.5, pad=6)
@@ -324,7 +324,7 @@ def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> None:
     )
     axes.plot(
         x, y, color=colour, linewidth=1.2, marker="*" if method == method_settings.PLAN else mark,
-        markersize=15.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
+        markersize=11.0 if method == method_settings.PLAN else 6.5, markeredgecolor="white", zorder=3,
         label=f"{family}{variant and ', '}{variant}\n({COUNTED[family]})" if family in COUNTED else method,
     )  # fmt: skip
 
@@ -419,7 +419,7 @@ def _measure(
     """Trace all methods, refine the reference until it resolves their errors, time them and compare."""
     named = {
         method_settings.SettingKey(one.method, one.setting, targets): one
-        for one in (*method_settings.list_settings(arrays, poses), method_settings.plan_setting(whole))
+        for one in (*method_settings.list_settings(arrays, poses), *method_settings.plan_settings(whole))
     }
     records: dict[method_settings.SettingKey, Singles] = {}
     for number, (key, one) in enumerate(named.items()):
