@@ -20,6 +20,7 @@ from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import dimmed
+from insonify_viewer.work.newest_wins import NewestWins
 from insonify_viewer.work.ping_request import PingRequest
 from insonify_viewer.work.simulator import Simulator
 from insonify_viewer.work.waiting import DELAY, FEW, Waiting, WaitingWatch
@@ -266,3 +267,30 @@ def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, ke
     assert "example" not in waterfall.waiting.what
     finish(viewer, qtbot, kernels.set)
     assert viewer._answer.simulation.scene.track.altitude == 12.0
+
+
+@pytest.mark.parametrize(("in_turn", "asked", "shown"), [(False, [1, 2, 3], [30]), (True, [1, 3], [10, 30])])
+def test_a_question_is_asked_once_and_the_newest_answer_wins(in_turn, asked, shown):
+    sent, seen, newest = [], [], [None]
+    question = NewestWins(
+        lambda: newest[0] and (newest[0],), lambda work, receive: sent.append((work, receive)), lambda n: 10 * n,
+        seen.append, in_turn=in_turn,
+    )  # fmt: skip
+    assert not question.ask()
+    assert question.complete, "nothing is wanted"
+    for newest[0] in (1, 1, 2, 3, 3):
+        question.ask()
+    assert not question.complete
+    found = []
+    while sent:
+        work, receive = sent.pop(0)
+        found.append(work() // 10)
+        receive(work())
+    assert (found, seen) == (asked, shown)
+    assert question.complete
+    assert not question.ask(), "it is shown"
+    question.forget()
+    assert question.ask()
+    newest[0] = None
+    sent.pop()[1](30)
+    assert seen == (shown if not in_turn else [*shown, 30]), "nothing is wanted by now"

@@ -1,5 +1,8 @@
 """Echo of one ping over slant range, drawn under the record and aligned with it."""
 
+# It is painted with the record, column for column and at every move of the mouse, from the first picture on: before
+# pyqtgraph is loaded.
+
 import math
 
 import numpy as np

@@ -1,10 +1,13 @@
 """Solves the sonar equation of the scene on another thread, and shows it at the range under the cursor."""
 
+from functools import partial
+
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.budget.levels import SolvedBudget
 from insonify_viewer.panels.budget.view import BudgetView
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.record.marked_point import MarkedPoint
+from insonify_viewer.work.newest_wins import NewestWins
 
 Wanted = tuple[Scene, float]  # the scene and the target strength, dB
 
@@ -18,34 +21,34 @@ class BudgetPanel(Panel):
     button = Button("Sonar equation", "See the levels of bed, target and noise line by line, and over range", "Ctrl+B")
 
     def __init__(self, workbench: Workbench) -> None:
-        self._session, self._executor = workbench.session, workbench.simulator.executor
+        self._session = workbench.session
         self._open = False
-        self._asked: Wanted | None = None
-        self._shown: Wanted | None = None
+        send = partial(workbench.simulator.executor.submit, "budget")
+        self._question = NewestWins(lambda: self._wanted, send, _solved, self._take)
         self._solved: SolvedBudget | None = None
         self._range: float | None = None  # slant range under the cursor, m; None for half that of the record
         self.view = BudgetView()
-        self.view.targeted.connect(lambda _: self._solve())
+        self.view.targeted.connect(lambda _: self._question.ask())
         self.view.ranged.connect(self._move)
 
     @property
     def complete(self) -> bool:
         """Whether the panel shows the present scene, or is closed."""
-        return not self._open or self._shown == self._wanted
+        return self._question.complete
 
     @property
-    def _wanted(self) -> Wanted:
-        return self._session.scene, self.view.target_strength
+    def _wanted(self) -> Wanted | None:
+        return (self._session.scene, self.view.target_strength) if self._open else None
 
     def opened(self, shown: bool) -> None:
         """Solve the equation of the present scene when the panel opens."""
         self._open = shown
-        self._solve()
+        self._question.ask()
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Solve the equation of another scene once its slider is released."""
         if settled:
-            self._solve()
+            self._question.ask()
 
     def point_marked(self, point: MarkedPoint | None) -> None:
         """Show the terms at the range under the cursor."""
@@ -57,22 +60,8 @@ class BudgetPanel(Panel):
         self._range = slant_range
         self._show()
 
-    def _solve(self) -> None:
-        """Solve the equation, unless that is done or under way."""
-        wanted = self._wanted
-        if not self._open or wanted in (self._asked, self._shown):
-            return
-        self._asked = wanted
-        self._executor.submit("budget", lambda: _solved(*wanted), lambda found: self._take(wanted, found))
-
-    def _take(self, asked: Wanted, found: SolvedBudget | SceneError | None) -> None:
-        """Show a solution, unless another one is wanted by now."""
-        if self._asked == asked:
-            self._asked = None
-        if asked != self._wanted:
-            self._solve()
-            return
-        self._shown = asked
+    def _take(self, found: SolvedBudget | SceneError | None) -> None:
+        """Show a solution, or why there is none."""
         self._solved = found if isinstance(found, SolvedBudget) else None
         if self._solved is None:
             self.view.show_nothing(str(found or "the sonar equation of this scene cannot be solved"))

@@ -1,6 +1,7 @@
 """Explains the pinned pixel on another thread, and finds the pixels with echoes of a picked place."""
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from insonify_viewer.record.comparison.recording import explain_point
 from insonify_viewer.record.record import Record, RecordGrowth
 from insonify_viewer.state.inspection import Mark, SoundDrawing
 from insonify_viewer.state.inspection import Place as ScenePlace
+from insonify_viewer.work.newest_wins import NewestWins
 
 AROUND = 600  # pings to either side of the ping on top that may receive echoes of a place
 
@@ -38,8 +40,8 @@ class PixelPanel(Panel):
         self._executor = workbench.simulator.executor
         self._compiled: set[tuple[object, ...]] = set()  # modelled effects whose kernels are compiled
         self._simulation: Simulation | None = None
-        self._shown: tuple[Simulation, Mark] | None = None
-        self._asked: tuple[Simulation, Mark] | None = None
+        send = partial(self._executor.submit, "pixel")
+        self._question = NewestWins(lambda: self._wanted, send, _explained, self._take)
         self._record: Record | None = None
         self._newest = 0
         self._recorded: Mark | None = None  # the pixel of a recording that is shown
@@ -53,7 +55,7 @@ class PixelPanel(Panel):
     @property
     def complete(self) -> bool:
         """Whether the pinned pixel is explained in the present scene, or there is none."""
-        return self._wanted is None or self._shown == self._wanted
+        return self._question.complete
 
     @property
     def _wanted(self) -> tuple[Simulation, Mark] | None:
@@ -86,7 +88,7 @@ class PixelPanel(Panel):
     def _pin(self, mark: Mark | None) -> None:
         """Open the panel for a pinned pixel, and explain it."""
         if mark is None:
-            self._shown = self._asked = None
+            self._question.forget()
             self.view.show_nothing()
             return
         self._workbench.open_panel(self.name)
@@ -116,23 +118,14 @@ class PixelPanel(Panel):
             self.view.show_nothing()
 
     def _explain(self) -> None:
-        wanted = self._wanted
-        if wanted is None or wanted in (self._shown, self._asked):
-            return
-        self._asked = wanted
-        self.view.show_waiting(wanted[1])
-        self._executor.submit("pixel", lambda: _explained(*wanted), lambda found: self._take(wanted, found))
+        if self._question.ask() and self._wanted is not None:
+            self.view.show_waiting(self._wanted[1])
 
-    def _take(self, asked: tuple[Simulation, Mark], found: ExplainedPixel | SceneError | None) -> None:
-        """Show an explanation, unless another one is wanted by now."""
-        if self._asked == asked:
-            self._asked = None
-        if asked != self._wanted:
-            self._explain()
-            return
-        self._shown = asked
+    def _take(self, found: ExplainedPixel | SceneError | None) -> None:
+        """Show an explanation, or why there is none."""
         if isinstance(found, ExplainedPixel):
-            amplitude = None if self._record is None else self._record.amplitude_at(*astuple(asked[1]))
+            pixel = found.explanation.ping, found.explanation.side, found.explanation.bin
+            amplitude = None if self._record is None else self._record.amplitude_at(*pixel)
             sentence = found.explanation.describe_brightness(amplitude)
             self.view.show_pixel(found.explanation, found.section, sentence)
             self._workbench.inspection.drawn.emit(_drawing(found.explanation))

@@ -7,6 +7,7 @@ from insonify_viewer.core_types import RayDiagram
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.panels.water.view import WaterView
 from insonify_viewer.record.record import RecordGrowth
+from insonify_viewer.work.newest_wins import NewestWins
 
 APART = 0.1  # m, least distance of neighbouring points of a profile
 SLOWEST, FASTEST = 1300.0, 1700.0  # m/s
@@ -25,9 +26,10 @@ class WaterPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
         self._target: Target = None
-        self._shown: tuple[Scene, Target, bool] | None = None
-        self._open = self._busy = self._settled = False
+        self._open = self._settled = False
         self._bent = self._ready = False
+        send = workbench.simulator.send
+        self._question = NewestWins(lambda: self._wanted, send, _diagram, self._show, in_turn=True)
         self.view = WaterView()
         self.view.targeted.connect(self._aim)
         self.view.point_dragged.connect(self._drag)
@@ -36,22 +38,23 @@ class WaterPanel(Panel):
     @property
     def complete(self) -> bool:
         """Whether the panel is closed or shows the current scene."""
-        return not self._open or (not self._busy and self._shown == self._wanted)
+        return not self._open or (self._ready and self._question.complete)
 
     @property
-    def _wanted(self) -> tuple[Scene, Target, bool]:
-        return self._workbench.session.scene, self._target, self._settled
+    def _wanted(self) -> tuple[Scene, Target, bool] | None:
+        wanted = self._workbench.session.scene, self._target, self._settled
+        return wanted if self._open and self._ready else None
 
     def opened(self, shown: bool) -> None:
         """Trace the rays when the panel opens."""
         self._open = shown
-        self._trace()
+        self._question.ask()
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Start tracing after the first pings of the record, which the rays must not delay."""
         if not self._ready:
             self._ready = True
-            self._trace()
+            self._question.ask()
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Trace the new scene; open the panel for the first water that may bend sound."""
@@ -60,11 +63,11 @@ class WaterPanel(Panel):
             self._workbench.open_panel(self.name)
         self._bent, self._settled = bent, settled
         self.view.show_points(_points(scene))
-        self._trace()
+        self._question.ask()
 
     def _aim(self, distance: float, depth: float) -> None:
         self._target = (distance, depth)
-        self._trace()
+        self._question.ask()
 
     def _drag(self, number: int, depth: float, speed: float) -> None:
         """Move a point of the profile, between its neighbours."""
@@ -78,21 +81,11 @@ class WaterPanel(Panel):
         within = round(min(max(speed, SLOWEST), FASTEST), 1)
         session.drag({f"water.depth.{number}": place, f"water.sound_speed.{number}": within})
 
-    def _trace(self) -> None:
-        """Trace what is wanted, unless it is shown, or other rays are being traced."""
-        wanted = self._wanted
-        if not self._ready or self._busy or wanted == self._shown or not self._open:
-            return
-        self._busy, self._shown = True, wanted
-        self._workbench.simulator.send(lambda: _diagram(*wanted), self._show)
-
     def _show(self, diagram: RayDiagram | SceneError) -> None:
-        self._busy = False
         if isinstance(diagram, SceneError):
             self._workbench.complain(diagram)
         else:
             self.view.show_diagram(diagram)
-        self._trace()
 
 
 def _diagram(scene: Scene, target: Target, fine: bool) -> RayDiagram:
