@@ -117,7 +117,8 @@ def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(ope
     assert not page.next.property("lit")
     assert not page.back.isEnabled()
     assert (session.scene.controls, session.display.scale, viewer.tow.running) == (("sonar.range",), "true", False)
-    assert viewer.seabed.view._canvas.plotter.camera.focal_point == (20.0, -30.0, 0.0)
+    camera = viewer.seabed.view._canvas.plotter.camera
+    qtbot.waitUntil(lambda: camera.focal_point == pytest.approx((20.0, -30.0, 0.0), abs=1e-6))  # it glides there
 
     assert page.question.isVisible()
     assert not page.answer.isVisible()

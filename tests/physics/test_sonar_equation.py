@@ -153,8 +153,8 @@ def strength_of(target, width=10.0, **changes):
         # than its glint.
         ({"kind": "sphere", "radius": 0.5}, 1.0, (1.0 + 2.0 / N) * 0.25 / 4.0 * (1.0 - 0.5 / DISTANCE) ** 2, 0.05),
         ({"kind": "sphere", "radius": 1.0}, 1.0, (1.0 + 2.0 / N) * 1.0 / 4.0 * (1.0 - 1.0 / DISTANCE) ** 2, 0.05),
-        # Broadside and longer than the first Fresnel zone: (a/4) r of a source at the range r; a r/2 for a plane wave.
-        ({"kind": "pipe", "radius": 0.2, "length": 12.0}, 20.0, 0.2 * (DISTANCE - 0.2) / 4.0, 0.3),
+        # Broadside and longer than the first Fresnel zone: a r²/4(r + a) of a source at r, a r/2 of a plane wave.
+        ({"kind": "pipe", "radius": 0.2, "length": 12.0}, 20.0, 0.2 * (DISTANCE - 0.2) ** 2 / DISTANCE / 4.0, 0.1),
         # Larger than the first Fresnel zone, at normal incidence: the image at 2r, r²/4.
         ({"kind": "box", "size": [8.0, 0.2, 8.0]}, 20.0, (DISTANCE - 0.1) ** 2 / 4.0, 0.3),
     ],

@@ -69,9 +69,6 @@ def kernel_separate(returned: Any, counting: bool = False) -> Callable[[Function
     return compile_separately
 
 
-kernel_on_demand = kernel_separate  # the name for what most scenes lack
-
-
 def inlined(function: Function) -> Function:
     """Compile a small function into each of its callers."""
     return _compile(function, counting=True, kept=False, forceinline=True)

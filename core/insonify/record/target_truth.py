@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Floats
+from insonify.kernels.sweep.bed_stretches import NO_TARGET
 from insonify.scene import Scene
-from insonify.tracers.labels import NOTHING, PATHS
+from insonify.tracers.labels import PATHS
 
 DARK = 0.5  # share of the bed's echo hidden from which a bin belongs to a shadow: 3 dB darker than without the target
 NONE = -1  # of a box that holds nothing
@@ -46,8 +47,8 @@ def find_target_truth(scene: Scene, labels: Mapping[str, NDArray[Any]], first_pi
     """Find what successive pings show of each target."""
     targets, sonar = len(scene.targets), scene.sonar
     direct, dark = labels["path"] == PATHS.index("direct"), labels["shadow"] >= DARK
-    echo = _find_boxes(np.where(direct, labels["target_id"], NOTHING), targets, first_ping)
-    owner = np.where(dark, labels["shadow_id"], NOTHING)
+    echo = _find_boxes(np.where(direct, labels["target_id"], NO_TARGET), targets, first_ping)
+    owner = np.where(dark, labels["shadow_id"], NO_TARGET)
     shadow = _find_boxes(owner, targets, first_ping)
     sections = labels["target_echo"] * (sonar.law == "sonar")  # (pings, 2, m) in m², of the first m targets
     greatest = np.zeros(targets)

@@ -28,7 +28,6 @@ from insonify.tracers.plane_counts import empty_squares
 from insonify.tracers.sweep import pings_a_thread, trace
 from insonify.tracers.target_planes import find_pings_met
 
-NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
 PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
@@ -138,7 +137,7 @@ def empty_labels(pings: int, bins: int, targets: int) -> RecordLabels:
     """Make room for the labels of a record: none by a caustic or of a volume, and no echo of targets."""
     shape = (pings, 2, bins)
     (target, material, shadow_id), path = np.empty((3, *shape), np.int16), np.empty(shape, np.int8)
-    (shadow, ground_range, incidence), volume = np.empty((3, *shape), np.float32), np.full(shape, NOTHING, np.int16)
+    (shadow, ground_range, incidence), volume = np.empty((3, *shape), np.float32), np.full(shape, NO_TARGET, np.int16)
     target_echo, caustic = np.zeros((pings, 2, targets), np.float32), np.zeros(shape, np.bool_)
     return RecordLabels(
         target, material, shadow, shadow_id, ground_range, incidence, path, volume, caustic, target_echo
@@ -148,7 +147,7 @@ def empty_labels(pings: int, bins: int, targets: int) -> RecordLabels:
 def _label_bed(labels: RecordLabels, energy: Singles, places: Integers, echoes: Singles) -> None:
     """Label the pings that meet the bed alone, without the places of their echoes."""
     has_echo = echoes > 0.0
-    labels.target_id[places] = np.where(has_echo, BED, NOTHING)
+    labels.target_id[places] = np.where(has_echo, BED, NO_TARGET)
     labels.material[places], labels.path[places] = np.where(has_echo, 0, NO_MATERIAL), np.where(has_echo, 0, NO_PATH)
     labels.shadow[places], labels.shadow_id[places], energy[places] = 0.0, NO_TARGET, 0.0
     labels.ground_range[places] = labels.incidence[places] = np.nan
@@ -190,7 +189,7 @@ def describe_contributors(arrays: SceneArrays) -> Contributors:
     rows, of_scene = arrays.reflectivity.shape[0], path != SURFACE_ECHO
     target = np.where(contributor >= rows, contributor - rows, BED)
     return Contributors(
-        np.where(of_scene, target, NOTHING).astype(np.int16),
+        np.where(of_scene, target, NO_TARGET).astype(np.int16),
         np.where(of_scene, contributor_materials(arrays)[contributor], NO_MATERIAL).astype(np.int16),
         path.astype(np.int8),
     )

@@ -21,6 +21,7 @@ import insonify
 from commands import refused
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_specifications
+from insonify.kernels.sweep.bed_stretches import NO_TARGET
 from insonify.scene import edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.surveys.annotations import Yolo
 from insonify.surveys.datasets.scenes import Draws, draw_scene, hash_share, split_of
@@ -30,7 +31,6 @@ from insonify.surveys.datasets.work import DatasetWork
 from insonify.surveys.distributions import DISTRIBUTIONS, DistributionKind, Drawn
 from insonify.surveys.engine import done_jobs, finish, read_flag
 from insonify.surveys.specification import read_specification
-from insonify.tracers.labels import NOTHING
 from own_kinds import forgetting
 from small_sets import SET, contents, data_set, run_here, write_set
 
@@ -213,7 +213,7 @@ PARTS = {  # rows and columns of the parts of a region, and the rows and columns
 
 @pytest.mark.parametrize(("parts", "left"), PARTS.values(), ids=PARTS)
 def test_stray_bins_do_not_make_a_box_larger(parts, left):
-    layer = np.full((64, 80), NOTHING, np.int16)
+    layer = np.full((64, 80), NO_TARGET, np.int16)
     for top, bottom, first, last in parts:
         layer[top:bottom, first:last] = 3
     layer[60, :] = 5  # another target

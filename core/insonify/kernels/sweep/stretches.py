@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
+from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.common.contributors import (
     ContributorTable,
     SpreadEcho,
@@ -93,7 +93,7 @@ def _delayed(row, facet):
     return start, max(far + row[RISE] * facet[1] + row[TILT] * facet[3], start)
 
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def note_stretches(rows, n, waves, bin_length, path, contributions):
     """Note the contributors of listed stretches by one path."""
     per_bin, share, before = 1.0 / bin_length, FIXED_POINT / max(waves.shape[0], 1), -1
@@ -118,7 +118,7 @@ def note_stretches(rows, n, waves, bin_length, path, contributions):
             spread_echo(own, SpreadEcho(start, stop, row[ENERGY] * share * per_length, x - start * run, run, facing))
 
 
-@kernel_on_demand(NOTHING)
+@kernel_separate(NOTHING)
 def note_whole_segments(x, r, range_ratio, material, cos_squared, density, count, path, bin_length, contributions):
     """Note every segment of a profile that is visible whole; its energy is spread evenly over its slant range."""
     per_bin, first_row, row = 1.0 / bin_length, path * contributions.per_path, -1

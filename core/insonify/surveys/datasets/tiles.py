@@ -12,13 +12,14 @@ from insonify.arrays import Booleans, Bytes, Dataset, Singles
 from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.record_schema import CHANNELS
+from insonify.kernels.sweep.bed_stretches import NO_TARGET
 from insonify.record.target_truth import DARK
 from insonify.scene import SceneError
 from insonify.surveys.annotations import EXTENTS
 from insonify.surveys.datasets.scenes import DrawnScene
 from insonify.surveys.datasets.specification import Evidence, Images, Tiles
 from insonify.surveys.storages import Tile
-from insonify.tracers.labels import NOTHING, PATHS
+from insonify.tracers.labels import PATHS
 
 SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the classes of targets follow in order
 WHOLE = 0.95  # share of a target's bins in the connected parts of it that make its extent
@@ -98,10 +99,10 @@ def take_side(drawn: DrawnScene, record: Dataset, levels: Singles, channel: int,
     """Levels, mask and labels of one side; a bin with the direct echo of a target is of no shadow."""
     columns = {name: record[name].values[channel] for name in ("target_id", "path", "shadow", "shadow_id")}
     target_id = columns["target_id"]
-    echo_id = np.where((columns["path"] == PATHS.index("direct")) & (target_id >= 0), target_id, NOTHING)
+    echo_id = np.where((columns["path"] == PATHS.index("direct")) & (target_id >= 0), target_id, NO_TARGET)
     echoes = echo_id >= 0
-    shadow_id = np.where((columns["shadow"] >= DARK) & ~echoes, columns["shadow_id"], NOTHING)
-    mask = np.where(target_id == NOTHING, SILENT, BED).astype(np.uint8)
+    shadow_id = np.where((columns["shadow"] >= DARK) & ~echoes, columns["shadow_id"], NO_TARGET)
+    mask = np.where(target_id == NO_TARGET, SILENT, BED).astype(np.uint8)
     mask[columns["shadow"] >= DARK] = SHADOW
     numbers = [drawn.classes.get(index) for index in range(len(drawn.scene.targets))]
     rows = [OTHER if name is None else FIRST_CLASS + classes.index(name) for name in numbers]
@@ -158,7 +159,7 @@ def drop_strays(layer: NDArray[np.int16], target: int) -> None:
         slice(min(box[axis].start for box in boxes), max(box[axis].stop for box in boxes)) for axis in (0, 1)
     )
     region[window] = False
-    layer[region] = NOTHING
+    layer[region] = NO_TARGET
 
 
 def targets_within(
