@@ -1,6 +1,8 @@
 """Imports between modules run without circles, and stand at the top of a module unless a comment says why not."""
 
 import ast
+import importlib
+import re
 import sys
 from functools import cache
 from graphlib import TopologicalSorter
@@ -96,3 +98,16 @@ def test_kernels_and_their_compiler_see_nothing_of_other_packages():
             for module in [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]:
                 seen = module.startswith((package, *SEEN[package].split()))
                 assert seen or module.partition(".")[0] in sys.stdlib_module_names, (name, module)
+
+
+def test_functions_that_the_page_which_code_makes_it_names_exist():
+    page = (ROOT / "docs/architecture/which-code.md").read_text(encoding="utf-8")
+    names = set(re.findall(r"`(kernels\.[a-z_.]+)`", page))
+    assert len(names) >= 20
+    for name in names:
+        module, function = f"insonify.{name}".rsplit(".", 1)
+        assert callable(getattr(importlib.import_module(module), function)), name
+    for row in re.findall(r"^\|(?! what|---).*\|$", page, re.MULTILINE):
+        assert max(cell.count("`kernels.") for cell in row.split("|")) <= 2, row
+    loose = set(re.findall(r"`([a-z]+_[a-z_]+)`", page))
+    assert loose <= {name.rsplit(".", 1)[1] for name in names} | {"note_whole_segments"}

@@ -13,7 +13,6 @@ from insonify.io.records import read_record, write_record
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
-from insonify.kernels.labels.shadows import empty_shadow_table
 from insonify.kernels.labels.sweep_labels import LabelledPings
 from insonify.packing.packed_scene import without_targets
 from insonify.scene import edit, load_scene
@@ -255,10 +254,10 @@ def test_labels_by_rays_along_arcs_are_those_of_the_sweep(rms, spacing, turned):
     arrays = arrays_of(**bed, solids=SOLIDS[:2], half_width=0.02)._replace(water=water)
     poses = poses_of([0.0, 0.4], 0.0, 12.0)
     swept = trace_labels(arrays, poses, planes=64)
-    table, shadows = empty_contributor_table(3, 400), empty_shadow_table(2, 400)
+    table = empty_contributor_table(1, 2, 1, 400)
     found, described = empty_labels(2, 400, 2), describe_contributors(arrays)
     out = LabelledPings(found, *np.empty((2, 2, 2, 400), np.float32), empty_squares(0), np.arange(2))
-    label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, described, table, shadows, out)
+    label_refracted_pings(arrays, without_targets(arrays), poses, 100_000, described, table, out)
     turn_into_degrees(found.incidence)
     assert (swept.shadow[:, 0] > 0.5).sum() > 30
     assert np.sqrt(np.mean((found.shadow - swept.shadow) ** 2)) < 0.03

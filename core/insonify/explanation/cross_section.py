@@ -8,7 +8,7 @@ from insonify.arrays import Floats
 from insonify.explanation.pixel_parts import arrays_at, find_athwart_parts
 from insonify.explanation.sound_paths import SonarPose, locate_sonar
 from insonify.explanation.words import name_part
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
+from insonify.kernels.labels.echo_parts import BEHIND_BED, VISIBLE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.echo_parts import EchoParts

@@ -9,8 +9,7 @@ from insonify.arrays import Floats, Integers
 from insonify.explanation.pixel_parts import arrays_at, whole_window
 from insonify.explanation.sound_paths import SURFACE, locate_sonar, path_range
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.labels.bed_stretches import VISIBLE
-from insonify.kernels.labels.echo_parts import Window
+from insonify.kernels.labels.echo_parts import VISIBLE, Window
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.simulation import Simulation
 from insonify.tracers.azimuth_fan import lay_planes, lay_planes_of_images

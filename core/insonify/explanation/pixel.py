@@ -24,7 +24,7 @@ from insonify.explanation.pixel_parts import PixelParts, find_athwart_parts, fin
 from insonify.explanation.sound_paths import SonarPose
 from insonify.explanation.words import PATH_NAMES
 from insonify.kernels.common.types import LIGHT, SceneArrays
-from insonify.kernels.labels.bed_stretches import BEHIND_BED, VISIBLE
+from insonify.kernels.labels.echo_parts import BEHIND_BED, VISIBLE
 from insonify.receiver import Reception, Traced, record_echoes
 from insonify.scene import SceneError
 from insonify.simulation import Simulation

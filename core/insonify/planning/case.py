@@ -11,7 +11,7 @@ from insonify.acoustics.flat_bed import ERROR_ALTITUDES
 from insonify.acoustics.water import bound_straight_rays
 from insonify.arrays import Floats
 from insonify.errors import located
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.planning.probe import SECONDS_OF_WORK, Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings

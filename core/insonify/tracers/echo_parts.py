@@ -10,23 +10,21 @@ import numpy as np
 from insonify.acoustics.rays import list_rows
 from insonify.arrays import Booleans, Floats, Integers
 from insonify.kernels.bed.profile import empty_profile, profile_capacity
-from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels import echo_parts as kernels
-from insonify.kernels.labels.bed_stretches import VISIBLE
-from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts, list_refracted_parts
-from insonify.kernels.labels.shadows import NO_TARGET
+from insonify.kernels.labels.echo_parts import VISIBLE, PartList, Window, list_echo_parts, list_refracted_parts
 from insonify.kernels.labels.sweep_labels import NO_MATERIAL
-from insonify.kernels.multipath.echo_list import EchoSink
-from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, note_plane_echoes
+from insonify.kernels.sweep.bed_stretches import NO_TARGET
+from insonify.kernels.sweep.image_paths import SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SURFACE_ECHO
+from insonify.kernels.sweep.stretches import StretchSink
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.containment import refuse_sonar_in_target
 from insonify.packing.packed_scene import without_targets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.labels import contributor_materials, count_contributors
+from insonify.tracers.labels import contributor_materials, count_contributors, empty_contributions
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +132,8 @@ def find_surface_parts(
 ) -> EchoParts:
     """Find the contributors of the echo by way of the sea surface, one part for each of every plane."""
     workspace = empty_multipath_workspace(arrays)
-    table = empty_contributor_table(count_contributors(arrays) * PATH_COUNT, arrays.bins)
-    sink = EchoSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), table, True)
+    table = empty_contributions(arrays)
+    sink = StretchSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), table, True)
     rows, paths = [np.empty((0, kernels.COLUMNS))], [np.empty(0, np.int64)]
     for path in range(SURFACE_BOTTOM, SURFACE_ECHO + 1):
         fan = fans[1] if path == SURFACE_BOTTOM_SURFACE else fans[0]
@@ -149,7 +147,7 @@ def find_surface_parts(
     return _columns(np.concatenate(rows), np.concatenate(paths))
 
 
-def _contributor_rows(arrays: SceneArrays, sink: EchoSink, window: Window, path: int, azimuth: float) -> Floats:
+def _contributor_rows(arrays: SceneArrays, sink: StretchSink, window: Window, path: int, azimuth: float) -> Floats:
     """Parts by one path in one plane: a contributor's echo in the bins, placed where the strongest of it comes from."""
     k, table, bins = kernels, sink.contributions, slice(window.first, window.first + window.weights.shape[1])
     # Contributors share the energy of a bin, where each is weighed by its own range.

@@ -10,11 +10,11 @@ from insonify.kernels.common.contributors import ContributorTable, empty_contrib
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
-from insonify.kernels.labels.shadows import NO_TARGET, ShadowTable, empty_shadow_table
 from insonify.kernels.labels.sweep_labels import NO_MATERIAL, NO_PATH, Contributors, LabelledPings, label_swept_pings
 from insonify.kernels.labels.sweep_labels import RecordLabels as RecordLabels
-from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.sweep.bed_stretches import NO_TARGET
+from insonify.kernels.sweep.image_paths import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import empty_sweep_workspace
 from insonify.packing.apparent_tables import make_apparent_tables
@@ -59,10 +59,9 @@ def trace_labels(
     apparent, folded = make_apparent_tables(arrays, poses)
     rooms = PerThread(
         lambda: (
-            empty_sweep_workspace(arrays, apparent),
+            empty_sweep_workspace(arrays, apparent, contributions=empty_contributions(arrays)),
             empty_multipath_workspace(arrays),
             empty_plane_sums(arrays.bins),
-            *empty_tables(arrays),
         )
     )
     missed = empty_squares(0) if squares is None else squares
@@ -81,7 +80,7 @@ def trace_labels(
 
         def follow_rays(part: Poses, first: int, last: int) -> None:
             out = LabelledPings(labels, energy, traced, missed, by_rays[first:last])
-            label_refracted_pings(arrays, bare, part, rays, described, *empty_tables(arrays), out)
+            label_refracted_pings(arrays, bare, part, rays, described, empty_contributions(arrays), out)
 
         share_blocks(take_poses(poses, by_rays), follow_rays, threads)
         energy[by_rays] *= FIXED_POINT  # rays count in plain units
@@ -161,13 +160,10 @@ def turn_into_degrees(cosines: Singles) -> None:
     np.multiply(cosines, np.float32(180.0 / math.pi), out=cosines)
 
 
-def empty_tables(arrays: SceneArrays) -> tuple[ContributorTable, ShadowTable]:
-    """Room for the contributions to one side of a ping and the shadows on it."""
-    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
-    return (
-        empty_contributor_table(contributors, arrays.bins),
-        empty_shadow_table(count_targets(arrays), arrays.bins),
-    )
+def empty_contributions(arrays: SceneArrays) -> ContributorTable:
+    """Room for the contributions to one side of a ping."""
+    paths, targets = PATH_COUNT if arrays.multipath.enabled else 1, count_targets(arrays)
+    return empty_contributor_table(arrays.reflectivity.shape[0], targets, paths, arrays.bins)
 
 
 def count_targets(arrays: SceneArrays) -> int:

@@ -13,7 +13,7 @@ from insonify.arrays import Floats, Integers, Singles
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.kernels.sweep.plane_errors import empty_plane_sums
 from insonify.kernels.sweep.sweep import LaidPlanes, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
@@ -172,7 +172,7 @@ def trace(
         to = tuple(array[first:last] for array in found)
         sweep_pings(arrays, part, own, apparent, room, sums, *to)
         if images is not None:
-            table, of_images = empty_contributor_table(0, 0), image_laid.of_pings(slice(first, last))
+            table, of_images = empty_contributor_table(0, 0, 1, 0), image_laid.of_pings(slice(first, last))
             sweep_multipath(arrays, part, own, of_images, images, table, sums, *to)
 
     share_blocks(some, sweep, threads, pings_a_thread(laid))

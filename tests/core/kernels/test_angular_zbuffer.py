@@ -11,9 +11,8 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.kernels.multipath.paired_segments import SegmentLine
+from insonify.kernels.sweep.bed_stretches import SegmentLine, launch_angle
 from insonify.kernels.sweep.facets import Facet, along_curve, facet_curve, is_facet_met
-from insonify.kernels.sweep.partial_segments import launch_angle
 from insonify.kernels.targets.occlusion import Occlusion, is_hidden, next_visible
 from insonify.kernels.targets.primitives import measure_directions
 from insonify.scene.targets.shape import block

@@ -1,4 +1,7 @@
-"""Shares of contributors (materials of the bed, targets) in the energy of every range bin of one side of a ping."""
+"""Shares of contributors (materials of the bed, targets) in the energy of every range bin of one side of a ping.
+
+Bed that a target hides contributes to that target's shadow: the echo that it would return without the targets.
+"""
 
 from typing import NamedTuple
 
@@ -9,27 +12,34 @@ from insonify.compiler.jit import inlined_before_typing, inlined_uncounted
 
 # In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3
-POINT = 1e-6  # in bins; what is shorter lies in one
 FEW = 3  # range bins that most segments touch at most
 NOT_TOUCHED = -2.0  # energy in a bin that an echo does not reach, less than that of any echo and of none
 
 
 class ContributorTable(NamedTuple):
-    """Energy of every contributor in the range bins of one side; a row is valid once its contributor is present."""
+    """Energy of every contributor in the range bins of one side; a row is valid once its contributor is present.
 
-    present: NDArray[np.bool_]  # (contributors,)
-    energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
+    There is a row for each contributor by each path, then one for the shadow of each target.
+    """
+
+    per_path: int  # contributors by one path
+    first_hidden: int  # row of the first target's shadow
+    present: NDArray[np.bool_]  # (rows,)
+    energy: NDArray[np.float64]  # (rows, bins) in fixed-point units
     strongest: NDArray[np.float64]  # energy of the contributor's strongest echo, below 0 for none
     x: NDArray[np.float32]  # ground range of that echo, m
     cosine: NDArray[np.float32]  # of the incidence there
 
 
-def empty_contributor_table(count: int, bins: int) -> ContributorTable:
-    """Make room for one side of a ping: ``count`` materials and targets by every path, each over range bins."""
+def empty_contributor_table(materials: int, targets: int, paths: int, bins: int) -> ContributorTable:
+    """Make room for one side of a ping: materials and targets by every path and shadows of targets, over range bins."""
     # Memory of contributors that never occur is never touched.
-    energy, strongest = np.empty((2, count, bins))
-    x, cosine = np.empty((2, count, bins), np.float32)
-    return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine)
+    per_path, first_hidden = materials + targets, paths * (materials + targets)
+    energy, strongest = np.empty((2, first_hidden + targets, bins))
+    x, cosine = np.empty((2, first_hidden + targets, bins), np.float32)
+    return ContributorTable(
+        per_path, first_hidden, np.zeros(first_hidden + targets, np.bool_), energy, strongest, x, cosine
+    )
 
 
 @inlined_uncounted
@@ -42,7 +52,7 @@ def open_contributor(contributions, who):
 
 
 class SpreadEcho(NamedTuple):
-    """Echo of a segment of the bed that is spread evenly over slant range; slant ranges are in bins."""
+    """Echo of a part of bed or target that is spread evenly over slant range; slant ranges are in bins."""
 
     near: float
     far: float
@@ -55,8 +65,8 @@ class SpreadEcho(NamedTuple):
 @inlined_before_typing
 def contributor_row(contributions, who):
     """One contributor's row of a table."""
-    present, energy, strongest, x, cosine = contributions
-    return ContributorTable(present, energy[who], strongest[who], x[who], cosine[who])
+    per_path, first_hidden, present, energy, strongest, x, cosine = contributions
+    return ContributorTable(per_path, first_hidden, present, energy[who], strongest[who], x[who], cosine[who])
 
 
 @inlined_uncounted
@@ -73,18 +83,6 @@ def add_contribution(contributions, who, k, energy, x, cosine):
     contributions.energy[who, k] += energy
     if energy > contributions.strongest[who, k]:
         contributions.strongest[who, k], contributions.x[who, k], contributions.cosine[who, k] = energy, x, cosine
-
-
-@inlined_uncounted
-def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_length):
-    """Add energy that is spread evenly between two slant ranges to a contributor's share in the bins between."""
-    near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = spanned_bins(near, far, contributions.energy.shape[1])
-    for k in range(first, last):
-        share = 1.0 if k == int(near) else 0.0
-        if far - near > POINT:
-            share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-        add_contribution(contributions, who, k, energy * share, x, cosine)
 
 
 @inlined_uncounted

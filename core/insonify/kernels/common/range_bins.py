@@ -19,6 +19,7 @@ from insonify.compiler.jit import inlined, inlined_uncounted
 from insonify.kernels.common.types import RangeDecay
 
 FIXED_POINT = float(2**38)  # integers per unit of energy per bin
+POINT = 1e-6  # bins; what is shorter lies at one place
 MOST_DECAY = 2.0  # up to which no place within a bin counts less than nothing
 MEAN_SQUARE = 5.0 / 96.0  # by which the mean of (1 + d t / 4)⁻⁴ over a bin exceeds 1, per d²
 
@@ -93,7 +94,7 @@ def spread_energy(bins, near, far, energy):
     """Spread an energy evenly between two positions."""
     if far < near:
         near, far = far, near
-    if far - near > 1e-6:
+    if far - near > POINT:
         density = np.int64(energy / (far - near))
         step_density(bins, near, density)
         step_density(bins, far, -density)

@@ -20,27 +20,38 @@ from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, range_wei
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import BED, LIGHT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.labels.bed_stretches import BEHIND_BED as BEHIND_BED
-from insonify.kernels.labels.bed_stretches import BEHIND_TARGET as BEHIND_TARGET
-from insonify.kernels.labels.bed_stretches import VISIBLE, empty_stretches, split_segment
-from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
 from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import TableGrid, look_up_position, prepare_table
-from insonify.kernels.sweep.facets import deposit_facet, is_facet_met, span_of_sector
-from insonify.kernels.sweep.partial_segments import (
-    deposit_partial_segment,
+from insonify.kernels.sweep.bed_stretches import (
+    NO_TARGET,
+    echo_range,
     ground_range_at_slant,
+    list_bed_stretch,
     load_segment,
     nearest_ground_range,
-    slant_range,
+    split_segment,
     visible_from,
 )
+from insonify.kernels.sweep.facets import is_facet_met, span_of_sector
+from insonify.kernels.sweep.image_paths import DIRECT, ImagePath, direct_path
+from insonify.kernels.sweep.stretches import StretchSink, sink_stretches
 from insonify.kernels.sweep.sweep import SweepWorkspace, aim_plane, view_plane
-from insonify.kernels.sweep.target_echoes import BedHorizon, load_cell, visible_facet
+from insonify.kernels.sweep.target_stretches import (
+    BedHorizon,
+    cell_facet,
+    facet_count,
+    list_facet,
+    load_surface,
+    view_from_higher,
+    visible_facet,
+)
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
+from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.occlusion import occlusion_of
+from insonify.kernels.targets.primitives import load_primitive, target_of
 
+VISIBLE, BEHIND_BED, BEHIND_TARGET = 0, 1, 2
 # Columns of a row: its state; azimuth of its plane, rad; target, -1 for the bed; row of its material; target that hides
 # it, -2 for none; ground range and height of the crest of the bed before it, m
 STATE, AZIMUTH, TARGET, MATERIAL, HIDER, CREST_X, CREST_Z = 0, 1, 2, 3, 4, 5, 6
@@ -72,6 +83,7 @@ class PlaneView(NamedTuple):
     """One plane of a beam, and where its parts are listed."""
 
     arrays: SceneArrays
+    path: ImagePath
     sector: AzimuthSector
     plane: HalfPlane
     grid: TableGrid
@@ -79,6 +91,7 @@ class PlaneView(NamedTuple):
     workspace: SweepWorkspace
     window: Window
     parts: PartList
+    sink: StretchSink  # the bins of the parts
     near: float  # slant ranges between which parts are listed, m
     far: float
 
@@ -92,17 +105,22 @@ def list_echo_parts(arrays, poses, ping, side, fan, apparent, workspace, window,
     int
         Parts there are, of which as many are listed as there is room for.
     """
-    grid, stretches, n = prepare_table(apparent, poses.z[ping], workspace.table), empty_stretches(workspace.zbuffer), 0
+    grid, n = prepare_table(apparent, poses.z[ping], workspace.table), 0
+    path, sink = (
+        direct_path(arrays.law, arrays.bin_length, False),
+        StretchSink(parts.bins, workspace.contributions, False),
+    )
     near = window.first * arrays.bin_length
     far = near + window.weights.shape[1] * arrays.bin_length
     for k in range(fan.azimuth.size):
         plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-        view = PlaneView(arrays, sector, plane, grid, fan.azimuth[k], workspace, window, parts, near, far)
+        azimuth = fan.azimuth[k]
+        view = PlaneView(arrays, path, sector, plane, grid, azimuth, workspace, window, parts, sink, near, far)
         cells, count = _view_plane(arrays, plane, sector, reach, grid, workspace, parts.knots)
         if count > 1:
-            n = _list_bed(view, cells, count, stretches, n)
+            n = _list_bed_parts(view, cells, count, n)
         if cells > 0:
-            n = _list_targets(view, cells, count, n)
+            n = _list_target_parts(view, cells, count, n)
     return n
 
 
@@ -115,32 +133,42 @@ def _view_plane(arrays, plane, sector, reach, grid, workspace, knots):
 
 
 @kernel
-def _list_bed(view, cells, count, stretches, n):
+def _list_bed_parts(view, cells, count, n):
     """List the parts of a profile's segments; return the number of parts."""
-    arrays, sector, workspace, bins = view.arrays, view.sector, view.workspace, view.parts.bins
-    profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
-    x, z, area, r, material = profile.x, profile.z, profile.area, echoes.r, profile.material
-    launch, horizon, weights, table, crest = echoes.launch, echoes.horizon, echoes.weight, arrays.reflectivity, 0
+    arrays, workspace, table, sink, crest = view.arrays, view.workspace, view.arrays.reflectivity, view.sink, 0
+    profile, echoes, zbuffer, pieces = workspace.profile, workspace.echoes, workspace.zbuffer, workspace.pieces
+    x, r, launch, horizon, rows = profile.x, echoes.r, echoes.launch, echoes.horizon, workspace.rows
     occlusion, oblique = occlusion_of(zbuffer, cells), is_oblique(view.plane.ex, view.plane.ey)
+    owners = zbuffer.nearest, zbuffer.body, arrays.solids.target, arrays.mesh.target
+    bending = profile.facing, profile.range_ratio
     for i in range(count - 1):
         if launch[i] >= horizon[i]:
             crest = i
         # A segment comes nearer than its ends by its run at most. NaN, a hole in the bed, compares false.
         nearest, farthest = min(r[i], r[i + 1]) - (x[i + 1] - x[i]), max(r[i], r[i + 1])
-        if not (area[i] == area[i] and nearest < view.far and farthest > view.near):
+        if not (profile.area[i] == profile.area[i] and nearest < view.far and farthest > view.near):
             continue
-        segment = load_segment(i, x, z, profile.slope, area, profile.facing, material, weights, table, sector)
+        segment = load_segment(
+            i, x, profile.z, profile.slope, profile.area, profile.material, bending, echoes.weight, table, view.sector
+        )
         seen = launch[i + 1] > horizon[i]
         if seen and not echoes.cut[i]:
-            _deposit_whole_segment(i, echoes, oblique, arrays.bin_length, bins)
-            n = _list_stretch(view, segment, i, crest, x[i], x[i + 1], VISIBLE, NO_TARGET, n)
+            _deposit_whole_segment(i, echoes, oblique, arrays.bin_length, sink.bins)
+            n = _list_bed_part(view, segment, i, crest, x[i], x[i + 1], VISIBLE, NO_TARGET, n)
             continue
-        risen = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i]) if seen else x[i + 1]
-        for k in range(split_segment(segment, x[i], x[i + 1], risen, occlusion, arrays, zbuffer, stretches)):
-            start, stop = stretches.x_from[k], stretches.x_to[k]
+        offset, slope, risen = segment.offset, segment.slope, x[i + 1]
+        if seen:
+            risen = visible_from(offset, slope, x[i], x[i + 1], launch[i], horizon[i])
+        found = split_segment(segment, risen, x[i + 1], occlusion, owners, True, pieces) if seen else 0
+        for k in range(-1, found):
+            start, stop, hider, state = x[i], risen, NO_TARGET, BEHIND_BED
+            if k >= 0:
+                start, stop, hider = pieces.x_from[k], pieces.x_to[k], pieces.hider[k]
+                state = VISIBLE if hider == NO_TARGET else BEHIND_TARGET
             if stop > start:
-                deposit_partial_segment(segment, start, stop, arrays.law, arrays.bin_length, bins)
-                n = _list_stretch(view, segment, i, crest, start, stop, stretches.state[k], stretches.hider[k], n)
+                listed = list_bed_stretch(segment, view.path, start, stop, 0, rows, 0)
+                sink_stretches(rows, listed, workspace.calm, arrays.bin_length, DIRECT, sink)
+                n = _list_bed_part(view, segment, i, crest, start, stop, state, hider, n)
     return n
 
 
@@ -156,11 +184,11 @@ def _deposit_whole_segment(i, echoes, oblique, bin_length, bins):
 
 
 @kernel
-def _list_stretch(view, segment, i, crest, x_from, x_to, state, hider, n):
+def _list_bed_part(view, segment, i, crest, x_from, x_to, state, hider, n):
     """List a stretch of segment i, the only echo in the bins; clear these and return the number of parts."""
     arrays, sector, profile, parts = view.arrays, view.sector, view.workspace.profile, view.parts
-    nearest = slant_range(segment, nearest_ground_range(segment, x_from, x_to))
-    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
+    nearest = echo_range(segment, 0.0, nearest_ground_range(segment, 0.0, x_from, x_to))
+    near, far = echo_range(segment, 0.0, x_from), echo_range(segment, 0.0, x_to)
     sums = _take_bins(parts.bins.steps, nearest, max(near, far), arrays.bin_length, view.window)
     if max(near, far) <= view.near or nearest >= view.far:
         return n
@@ -182,7 +210,7 @@ def _list_stretch(view, segment, i, crest, x_from, x_to, state, hider, n):
         share = (x - profile.x[i]) / run
         row[X_FROM + 2 * end] = knots.x[i] + share * (knots.x[i + 1] - knots.x[i])
         row[Z_FROM + 2 * end] = up + knots.z[i] + share * (knots.z[i + 1] - knots.z[i])
-    row[NEAR], row[FAR] = slant_range(segment, a), slant_range(segment, b)
+    row[NEAR], row[FAR] = echo_range(segment, 0.0, a), echo_range(segment, 0.0, b)
     row[LAUNCH], row[COSINE] = math.atan2(height, middle), cosine
     row[STRENGTH] = backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, arrays.law)
     _enter_beam(arrays, sector, row, middle, height, r, weight, gain)
@@ -193,7 +221,7 @@ def _list_stretch(view, segment, i, crest, x_from, x_to, state, hider, n):
 @inlined
 def _inside(segment, x_from, x_to, turns, view):
     """Ground ranges between which a stretch lies in the bins; all of it if its slant range falls and grows again."""
-    outward = slant_range(segment, x_to) >= slant_range(segment, x_from)
+    outward = echo_range(segment, 0.0, x_to) >= echo_range(segment, 0.0, x_from)
     if turns or not x_to > x_from:
         return x_from, x_to
     one = min(max(ground_range_at_slant(segment, view.near, outward), x_from), x_to)
@@ -230,47 +258,53 @@ def _take_bins(bins, near, far, bin_length, window):
 
 
 @kernel_separate(INTEGER, counting=True)
-def _list_targets(view, cells, count, n):
+def _list_target_parts(view, cells, count, n):
     """List the facets of the nearest target in every cell of the z-buffer; return the number of parts."""
-    arrays, sector, parts = view.arrays, view.sector, view.parts
-    profile, zbuffer = view.workspace.profile, view.workspace.zbuffer
-    bodies, knot = (arrays.solids, arrays.mesh, arrays.reflectivity), -1
-    bed = BedHorizon(profile.x, profile.z, view.workspace.echoes.horizon, count)
+    arrays, sector, plane, workspace, path = view.arrays, view.sector, view.plane, view.workspace, view.path
+    profile, zbuffer, rows, horizon = workspace.profile, workspace.zbuffer, workspace.rows, workspace.echoes.horizon
+    owners, knot = (arrays.solids.material, arrays.mesh.material, arrays.solids.target, arrays.mesh.target), -1
+    measured = zbuffer.near, zbuffer.distance, zbuffer.far, zbuffer.incidence
+    bed = BedHorizon(profile.x, profile.z, horizon, count)
+    higher = view_from_higher(bed, zbuffer, cells)
     for c in range(cells):
         if zbuffer.nearest[c] == NO_PRIMITIVE:
             continue
-        cell = load_cell(c, bodies, view.plane, sector.bent, zbuffer, bed, knot)
-        knot = cell.knot
-        for k in range(cell.facets):
-            facet = visible_facet(cell.primitive, cell.low, cell.high, k, cell.facets, bed, knot)
+        p, bounds = zbuffer.nearest[c], (zbuffer.least[zbuffer.nearest[c]], zbuffer.most[zbuffer.nearest[c]])
+        source, line = load_apparent_source(sector.bent, zbuffer.source[p]), zbuffer.line[p]
+        surface = load_surface(zbuffer.body[p], owners, arrays.reflectivity, source, bounds)
+        primitive = load_primitive(arrays.solids, arrays.mesh, plane, surface.body, line, surface.source)
+        facets = facet_count(cell_facet(c, zbuffer.edge, zbuffer.cosine, zbuffer.sine, measured, source))
+        for k in range(facets):
+            facet = visible_facet(primitive, zbuffer.edge[c], zbuffer.edge[c + 1], k, facets, bed, knot)
             if not is_facet_met(facet):
                 continue
-            half = 0.5 * span_of_sector(facet, cell.bounds, sector, arrays.pattern).across
+            half = 0.5 * span_of_sector(facet, surface.bounds, sector, arrays.pattern).across
             nearest = max(min(facet.near, facet.centre, facet.far) - half, 0.0)
             farthest = max(facet.near, facet.centre, facet.far) + half
             if nearest < view.far and farthest > view.near:
-                law, bin_length, pattern, gain = arrays.law, arrays.bin_length, arrays.pattern, cell.source.gain
-                deposit_facet(facet, cell.bounds, gain, cell.material, sector, pattern, law, bin_length, parts.bins)
-                sums = _take_bins(parts.bins.steps, 0.9 * nearest, 1.1 * farthest, bin_length, view.window)
-                n = _list_facet(view, cell, facet, sums, n)
+                listed = list_facet(facet, 0.0, surface, arrays.pattern, path, (sector, sector), higher, knot, rows, 0)
+                sink_stretches(rows, listed, workspace.calm, arrays.bin_length, DIRECT, view.sink)
+                bins = view.sink.bins.steps
+                sums = _take_bins(bins, 0.9 * nearest, 1.1 * farthest, arrays.bin_length, view.window)
+                n = _list_target_part(view, surface, facet, sums, n)
     return n
 
 
 @kernel
-def _list_facet(view, cell, facet, sums, n):
+def _list_target_part(view, surface, facet, sums, n):
     """List a facet of a target; return the number of parts."""
-    arrays, sector, source, material = view.arrays, view.sector, cell.source, cell.material
+    arrays, sector, source, numbers = view.arrays, view.sector, surface.source, surface.numbers
     if n >= view.parts.rows.shape[0]:
         return n + 1
     row, r = view.parts.rows[n], facet.centre
-    row[STATE], row[AZIMUTH], row[TARGET], row[HIDER] = VISIBLE, view.azimuth, cell.target, NO_TARGET
-    row[MATERIAL] = cell.row
+    row[STATE], row[AZIMUTH], row[HIDER] = VISIBLE, view.azimuth, NO_TARGET
+    row[TARGET], row[MATERIAL] = surface.owner - arrays.reflectivity.shape[0], surface.material
     row[CREST_X] = row[CREST_Z] = math.nan
     for end, angle, distance in ((0, facet.low, facet.near), (1, facet.high, facet.far)):
         row[X_FROM + 2 * end], row[Z_FROM + 2 * end] = _true_place(view, source, angle, distance)
     row[NEAR], row[FAR], row[LAUNCH] = facet.near, facet.far, 0.5 * (facet.low + facet.high)
     row[COSINE] = facet.incidence
-    row[STRENGTH] = backscatter_strength(facet.incidence, material[0], material[1], material[2], arrays.law)
+    row[STRENGTH] = backscatter_strength(facet.incidence, numbers[0], numbers[1], numbers[2], arrays.law)
     x, z = r * facet.cosine, r * facet.sine
     weight = source.gain * sector_weight(x, z, r, sector, arrays.pattern, arrays.law)
     _enter_beam(arrays, sector, row, x, z, r, weight, source.gain)
@@ -319,7 +353,7 @@ def list_refracted_parts(arrays, bare, poses, ping, side, rays, window, rows):
         hidden, body = cast_refracted(bare, beam, waveguide, aim, 0.0), cast.rays.hits.body
         for k in range(rays):
             if body[k] >= 0:
-                hider = target_of_body(arrays.solids, arrays.mesh, body[k])
+                hider = target_of(arrays.solids.target, arrays.mesh.target, body[k])
                 n = _list_echo(arrays, hidden, ahead, k, BEHIND_TARGET, hider, window, rows, n)
     return n
 
@@ -340,7 +374,7 @@ def _list_echo(arrays, cast, ahead, m, state, hider, window, rows, n):
     body, material = hits.body[k], hits.material[k]
     row[STATE], row[HIDER], row[MATERIAL], row[TARGET] = state, hider, material, BED
     if body != BED:
-        row[TARGET] = target_of_body(arrays.solids, arrays.mesh, body)
+        row[TARGET] = target_of(arrays.solids.target, arrays.mesh.target, body)
     forward = bundle.dx[k] * ahead[0] + bundle.dy[k] * ahead[1]
     level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
     row[AZIMUTH] = math.asin(min(max(forward / level, -1.0), 1.0)) if level > 0.0 else 0.0

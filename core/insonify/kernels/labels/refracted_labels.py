@@ -9,16 +9,16 @@ import numpy as np
 from insonify.compiler.jit import kernel
 from insonify.kernels.common.contributors import add_contribution, open_contributor
 from insonify.kernels.common.types import BED
-from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
-from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
+from insonify.kernels.labels.sweep_labels import label_side
 from insonify.kernels.rays.cast import aim_refracted, cast_refracted, unaimed
 from insonify.kernels.rays.cell_walk import empty_hits
 from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.rays.refracted_hits import empty_arrivals, find_refracted_hits
+from insonify.kernels.targets.primitives import target_of
 
 
 @kernel
-def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions, shadows, out):
+def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions, out):
     """Label every range bin of pings with its greatest contributor and the shadows of targets, by refracted rays.
 
     Parameters
@@ -30,8 +30,8 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
     rays : int
         A side.
     contributors : Contributors
-    contributions, shadows : ContributorTable, ShadowTable
-        Empty, with a row for every contributor, and one for every target.
+    contributions : ContributorTable
+        Empty.
     out : LabelledPings
         Of n pings; takes the result but for what the sweep traces.
     """
@@ -43,13 +43,10 @@ def label_refracted_pings(arrays, bare, poses, rays, contributors, contributions
             cast = cast_refracted(arrays, beam, waveguide, aim, 0.0)
             intensity[:], place = 0.0, out.places[ping]
             _note_echoes(arrays, cast, contributions, intensity, out.labels.caustic[place, side])
-            if shadows.present.size > 0:
+            if contributions.present.size > contributions.first_hidden:
                 hidden = cast_refracted(bare, beam, waveguide, aim, 0.0)
-                _note_hidden_bed(arrays, 2.0 * waveguide.reach, cast.rays.hits.body, hidden, shadows)
-            materials = arrays.reflectivity.shape[0]
-            label_shadows(shadows, contributions, materials, out.labels, place, side)
-            sum_target_echoes(contributions, materials, 1.0, out.labels.target_echo[place, side])
-            label_bins(contributions, contributors, intensity, out, place, side)
+                _note_hidden_bed(arrays, 2.0 * waveguide.reach, cast.rays.hits.body, hidden, contributions)
+            label_side(contributions, contributors, arrays.reflectivity.shape[0], 1.0, intensity, out, place, side)
 
 
 @kernel
@@ -62,7 +59,7 @@ def _note_echoes(arrays, cast, contributions, intensity, caustic):
             continue
         body, who = hits.body[k], hits.material[k]
         if body != BED:
-            who = arrays.reflectivity.shape[0] + target_of_body(arrays.solids, arrays.mesh, body)
+            who = arrays.reflectivity.shape[0] + target_of(arrays.solids.target, arrays.mesh.target, body)
         open_contributor(contributions, who)
         add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
         intensity[b] += value
@@ -72,7 +69,7 @@ def _note_echoes(arrays, cast, contributions, intensity, caustic):
 
 
 @kernel
-def _note_hidden_bed(arrays, reach, first_body, hidden, shadows):
+def _note_hidden_bed(arrays, reach, first_body, hidden, contributions):
     """Note the echo of the bed that targets hide from rays that meet them, and from mixed paths either way."""
     count, back, echoes = hidden.rays.hits.body.size, hidden.mixed.back, hidden.echoes
     met, arrivals = empty_hits(back.x.size), empty_arrivals(back.x.size)
@@ -82,6 +79,6 @@ def _note_hidden_bed(arrays, reach, first_body, hidden, shadows):
         if body < 0 and count <= n < count + met.body.size:
             body = met.body[n - count]
         if body >= 0 and b >= 0 and value > 0.0:
-            target = target_of_body(arrays.solids, arrays.mesh, body)
-            open_shadow(shadows, target)
-            shadows.energy[target, b] += value
+            row = contributions.first_hidden + target_of(arrays.solids.target, arrays.mesh.target, body)
+            open_contributor(contributions, row)
+            contributions.energy[row, b] += value

@@ -14,13 +14,14 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.range_bins import range_weight
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
+from insonify.kernels.multipath.image_sources import bottom_image, surface_image, wave_advance
 from insonify.kernels.rays.cast import aim_straight, cast_straight, unaimed
 from insonify.kernels.rays.cell_walk import NO_HIT
 from insonify.kernels.rays.launch import SideBeam, cone_azimuth, orient_beam
 from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_scene, start_path
 from insonify.kernels.rays.pings import TOGETHER, take_rays
 from insonify.kernels.rays.specular_paths import mixed_echo
+from insonify.kernels.sweep.image_paths import height_delay, tilt_delay
 
 MOST_PASSES = 2  # of the sea surface
 REACH_STEPS = 16.0  # to a record's length, by which rays reach beyond it

@@ -15,24 +15,13 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.compiler.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.beam.pattern_samples import SampleRoom
 from insonify.kernels.bed.profile import WORD, padded_count
-from insonify.kernels.common.contributors import SpreadEcho, contributor_row, open_contributor, spread_echo
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import scatter_paired_segments
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.multipath.echo_list import SurfaceEcho, list_echo
-from insonify.kernels.multipath.image_sources import (
-    PATH_COUNT,
-    height_delay,
-    pair_strength,
-    spreading_ratio,
-    tilt_delay,
-)
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
+from insonify.kernels.sweep.image_paths import path_delays
 from insonify.kernels.sweep.segment_densities import deposit_densities
-
-MOST_NEWTON = 40  # steps that find where a segment comes nearest to both images
-SAME_PLACE = 1e-10  # share of a stretch below which a step ends the search
-MOST_PARTS = 1024
+from insonify.kernels.sweep.stretches import note_whole_segments
 
 
 class PairedEchoes(NamedTuple):
@@ -80,7 +69,11 @@ def deposit_paired_profile(profile, count, one, other, pair, hidden, arrays, sin
         return
     deposit_densities(count, echoes, pair.bin_length, sink.bins)
     if sink.labelling:
-        _note_whole_segments(profile, count, one, other, pair, echoes, sink.contributions)
+        _measure_incidence(count - 1, profile, one.z, other.z, echoes.mirrored)
+        note_whole_segments(
+            profile.x, r, profile.range_ratio[:0], material, echoes.mirrored, echoes.energy, count, pair.path,
+            pair.bin_length, sink.contributions,
+        )  # fmt: skip
 
 
 @inlined_uncounted
@@ -90,7 +83,7 @@ def _measure_pairs(segments, profile, one, pair, echoes):
     facing, mirrored, scale, uneven = echoes.cosines, echoes.mirrored, echoes.scale, echoes.cut
     real, light = scale.dtype.type, pair.law == LIGHT
     share = pair.orders * pair.one.share * pair.other.share * FIXED_POINT
-    unit, raised = real(share if light else share * pair.bin_length), real(pair.other.height - pair.one.height)
+    unit, raised = real(share if light else share * pair.bin_length), real(pair.raised)
     one_, half, two, nothing, fine = real(1.0), real(0.5), real(2.0), real(0.0), real(FINE * FINE)
     for i in range(segments):
         run, rise, r_middle = real(x[i + 1] - x[i]), real(r[i + 1] - r[i]), real(0.5 * (r[i] + r[i + 1]))
@@ -137,159 +130,29 @@ def _mark_parted(segments, area, one, other, pair, hidden, all_parted, echoes):
         energy[i] = energy[i] if seen & (not parted) else nothing
 
 
-@kernel_uncounted
-def _note_whole_segments(profile, count, one, other, pair, echoes, contributions):
-    """Note every segment that both images see whole; its energy is spread evenly over its slant range."""
-    x, slope, area, material, row = profile.x, profile.slope, profile.area, profile.material, -1
-    r, z_one, z_other, density, per_bin = echoes.r, one.z, other.z, echoes.energy, 1.0 / pair.bin_length
-    own, first_row = contributor_row(contributions, 0), pair.path * (contributions.present.size // PATH_COUNT)
-    for i in range(count - 1):
-        if density[i] == 0.0:
-            continue
-        if first_row + material[i] != row:
-            row = first_row + material[i]
-            open_contributor(contributions, row)
-            own = contributor_row(contributions, row)
-        near, far = r[i] * per_bin, r[i + 1] * per_bin
-        run, middle = (x[i + 1] - x[i]) / (far - near), 0.5 * (x[i] + x[i + 1])
-        a, b, half = z_one[i] - slope[i] * x[i], z_other[i] - slope[i] * x[i], slope[i] * middle
-        # Sound comes and goes at different incidences, the greater of which counts.
+@inlined_uncounted
+def _measure_incidence(segments, profile, z_one, z_other, cos_squared):
+    """Incidence of segments, its cosine squared at the middle: the greater one of both ways."""
+    x, slope, area, nothing = profile.x, profile.slope, profile.area, cos_squared.dtype.type(0.0)
+    for i in range(segments):
+        middle, a, b = 0.5 * (x[i] + x[i + 1]), z_one[i] - slope[i] * x[i], z_other[i] - slope[i] * x[i]
+        half = slope[i] * middle
         nearer = max(a / math.hypot(middle, a + half), b / math.hypot(middle, b + half))
-        facing = -nearer / math.sqrt(area[i]) * 0.5 * (near + far)
-        spread_echo(
-            own, SpreadEcho(min(near, far), max(near, far), abs(np.float64(density[i])), x[i] - near * run, run, facing)
-        )
+        cos_squared[i] = nearer * nearer / area[i] if nearer < 0.0 else nothing
 
 
 @kernel_uncounted
 def _deposit_on_waves(count, x, z, pair, facets, echoes, bins):
     """Spread the energies of segments over the range bins, facet by facet of a rough sea."""
-    energy, r, raised = echoes.energy, echoes.r, pair.other.height - pair.one.height
-    per_bin, share = 1.0 / pair.bin_length, 1.0 / facets.shape[0]
-    rms, variance = pair.rms_height, pair.slope_variance
+    energy, r, per_bin, share = echoes.energy, echoes.r, 1.0 / pair.bin_length, 1.0 / facets.shape[0]
     for i in range(count - 1):
         if energy[i] == 0.0:
             continue
         near, far = min(r[i], r[i + 1]), max(r[i], r[i + 1])
         whole = energy[i] * (r[i + 1] - r[i]) * per_bin * share
         middle, drop = 0.5 * (x[i] + x[i + 1]), -0.5 * (z[i] + z[i + 1])
-        r_one, r_other = math.hypot(middle, drop), math.hypot(middle, drop + raised)
-        rise = height_delay(pair.one, drop, r_one, rms) + height_delay(pair.other, drop + raised, r_other, rms)
-        tilt = tilt_delay(pair.one, drop, r_one, variance) + tilt_delay(pair.other, drop + raised, r_other, variance)
+        rise, tilt = path_delays(pair, drop, math.hypot(middle, drop), math.hypot(middle, drop + pair.raised))
         for f in range(facets.shape[0]):
             start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
             spread_energy(bins, start * per_bin, stop * per_bin, whole)
-
-
-class SegmentLine(NamedTuple):
-    """A segment's line in the plane, as one image sees it: z = offset + slope · x."""
-
-    offset: float
-    slope: float
-
-
-class PairedSegment(NamedTuple):
-    """A segment of the bed by itself, as two images see it."""
-
-    one: SegmentLine
-    other: SegmentLine
-    area: float  # 1 + |∇z|²
-    at_nadir: float  # weight of its plane, extrapolated linearly to nadir
-    rate: float  # by which that grows per metre of ground range
-    material: int  # row of the reflectivity table
-    diffuse: float
-    specular: float
-    shininess: float
-
-
-@inlined_uncounted
-def echo_range(segment, x):
-    """Slant range of the echo of a segment at a ground range: half the way by both images."""
-    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
-    return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
-
-
-@inlined_uncounted
-def _range_rate(segment, x):
-    """Twice the rate at which the slant range of the echo grows with ground range, and how fast that grows."""
-    slope = segment.one.slope
-    a, b = segment.one.offset + slope * x, segment.other.offset + slope * x
-    per_one, per_other = 1.0 / math.sqrt(x * x + a * a), 1.0 / math.sqrt(x * x + b * b)
-    rate_one, rate_other = (x + slope * a) * per_one, (x + slope * b) * per_other
-    tilt = 1.0 + slope * slope
-    growth = (tilt - rate_one * rate_one) * per_one + (tilt - rate_other * rate_other) * per_other
-    return rate_one + rate_other, growth
-
-
-@kernel_uncounted
-def list_stretch(segment, pair, x_from, x_to, near, far, echoes, n):
-    """List the echo of a stretch of a segment that both images see."""
-    if not x_to > x_from:
-        return n
-    squared = (x_to - x_from) ** 2 * (1.0 + segment.one.slope * segment.one.slope)
-    if squared <= min(abs(far - near), FINE * FINE * near) * near:
-        return _list_part(segment, pair, x_from, x_to, near, far, echoes, n)
-    foot = _nearest_ground_range(segment, x_from, x_to)
-    n = _list_monotone(segment, pair, x_from, foot, echoes, n)
-    return _list_monotone(segment, pair, foot, x_to, echoes, n)
-
-
-@kernel_uncounted
-def _nearest_ground_range(segment, x_from, x_to):
-    """Ground range of the nearest echo of a segment; slant range falls towards it and grows beyond."""
-    if _range_rate(segment, x_from)[0] >= 0.0:
-        return x_from
-    if _range_rate(segment, x_to)[0] <= 0.0:
-        return x_to
-    low, high, x = x_from, x_to, 0.5 * (x_from + x_to)
-    for _ in range(MOST_NEWTON):
-        rate, growth = _range_rate(segment, x)
-        if rate < 0.0:
-            low = x
-        else:
-            high = x
-        nearer = x - rate / growth
-        nearer = nearer if low < nearer < high else 0.5 * (low + high)
-        if abs(nearer - x) <= SAME_PLACE * (x_to - x_from):
-            return nearer
-        x = nearer
-    return x
-
-
-@kernel_uncounted
-def _list_monotone(segment, pair, x_from, x_to, echoes, n):
-    """List a stretch along which slant range grows or falls, in parts short against their range."""
-    if not x_to > x_from:
-        return n
-    near, slope = echo_range(segment, x_from), segment.one.slope
-    nearest = max(min(near, echo_range(segment, x_to)), pair.bin_length)
-    parts = 1 + int(min((x_to - x_from) * math.sqrt(1.0 + slope * slope) / (FINE * nearest), MOST_PARTS - 1.0))
-    dx = (x_to - x_from) / parts
-    for k in range(parts):
-        start = x_from + k * dx
-        far = echo_range(segment, start + dx)
-        n = _list_part(segment, pair, start, start + dx, near, far, echoes, n)
-        near = far
-    return n
-
-
-@inlined_uncounted
-def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
-    """List one part; its energy is spread evenly over the slant ranges that it spans, ``near`` to ``far``."""
-    x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(segment.area), pair.law
-    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
-    if -b <= pair.other.above:
-        return n  # land
-    r_one, r_other = math.sqrt(x * x + a * a), math.sqrt(x * x + b * b)
-    cos_one, cos_other = -segment.one.offset / (r_one * stretch), -segment.other.offset / (r_other * stretch)
-    mirrored = 2.0 * cos_one * cos_other - (x * x + a * b) / (r_one * r_other)
-    value = pair_strength(cos_one, cos_other, mirrored, segment.diffuse, segment.specular, segment.shininess, pair)
-    value *= (segment.at_nadir + segment.rate * x) * spreading_ratio(r_one, r_other, law)
-    energy = value * abs(far - near) / pair.bin_length if law == LIGHT else value * stretch * (x_to - x_from)
-    rms, variance, rise, tilt = pair.rms_height, pair.slope_variance, 0.0, 0.0
-    if rms > 0.0 or variance > 0.0:
-        rise = height_delay(pair.one, -a, r_one, rms) + height_delay(pair.other, -b, r_other, rms)
-        tilt = tilt_delay(pair.one, -a, r_one, variance) + tilt_delay(pair.other, -b, r_other, variance)
-    cosine = min(cos_one, cos_other)
-    return list_echo(echoes, n, SurfaceEcho(near, far, energy, rise, tilt, x, cosine, segment.material))

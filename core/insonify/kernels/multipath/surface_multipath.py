@@ -17,47 +17,27 @@ from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, r
 from insonify.kernels.beam.knot_weights import weigh_knots, weigh_paired_knots
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.beam.pattern_samples import FINE_ROOT, FINE_SINE
-from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, padded_count, profile_capacity
+from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays, SegmentLimits
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.multipath.echo_list import (
-    ENOUGH,
-    EchoSink,
-    SurfaceEcho,
-    deposit_echoes,
-    empty_echo_list,
-    list_echo,
-)
-from insonify.kernels.multipath.image_sources import (
-    PAIRS,
+from insonify.kernels.multipath.image_sources import PAIRS, image_pairs, plane_reach, surface_image, wave_advance
+from insonify.kernels.multipath.paired_segments import PairedEchoes, deposit_paired_profile, empty_paired_echoes
+from insonify.kernels.rays.launch import orient_beam
+from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
+from insonify.kernels.sweep.bed_stretches import SegmentPieces, empty_pieces, list_bed, view_bed
+from insonify.kernels.sweep.image_paths import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,
     SURFACE_BOTTOM_SURFACE,
     SURFACE_ECHO,
     height_delay,
-    image_pairs,
-    plane_reach,
-    surface_image,
     tilt_delay,
-    wave_advance,
 )
-from insonify.kernels.multipath.paired_segments import (
-    PairedEchoes,
-    PairedSegment,
-    SegmentLine,
-    deposit_paired_profile,
-    echo_range,
-    empty_paired_echoes,
-    list_stretch,
-)
-from insonify.kernels.multipath.target_multipath import list_target_echoes
-from insonify.kernels.rays.launch import orient_beam
-from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
-from insonify.kernels.sweep.partial_segments import launch_angle, next_stretch, visible_from
 from insonify.kernels.sweep.plane_errors import NODES, add_plane, finish_side, square_record
+from insonify.kernels.sweep.stretches import Stretch, StretchSink, empty_stretch_list, list_stretch, sink_stretches
 from insonify.kernels.sweep.sweep import (
     LOWEST,
     aim_plane,
@@ -67,9 +47,9 @@ from insonify.kernels.sweep.sweep import (
     planes_of,
     shares_planes,
 )
+from insonify.kernels.sweep.target_stretches import BedHorizon, sink_paired_targets, view_from_higher
 from insonify.kernels.sweep.visibility import launch_slopes, running_horizon, slant_ranges
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
-from insonify.kernels.targets.occlusion import is_hidden, occluded_slopes, occlusion_of
 
 MOST_PASSES = 2  # of the sea surface
 NOT_SEEN = -1  # cells of a z-buffer that is not filled yet
@@ -94,7 +74,8 @@ class MultipathWorkspace(NamedTuple):
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
     segments: PairedEchoes
     table: NDArray[np.float32]  # apparent positions; unused in water without refraction
-    echoes: NDArray[np.float64]  # a list of echoes
+    pieces: SegmentPieces
+    rows: NDArray[np.float64]  # a list of stretches
 
 
 def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32) -> MultipathWorkspace:
@@ -106,8 +87,9 @@ def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32
     segments = empty_paired_echoes(capacity, dtype)
     table = np.zeros((2, 2, COLUMNS), np.float32)
     return MultipathWorkspace(
-        empty_profile(capacity, dtype), (lower, higher), zbuffers, segments, table, empty_echo_list()
-    )
+        empty_profile(capacity, dtype), (lower, higher), zbuffers, segments, table, empty_pieces(zbuffers[0]),
+        empty_stretch_list(),
+    )  # fmt: skip
 
 
 @kernel
@@ -132,7 +114,7 @@ def sweep_multipath(arrays, poses, laid, image_laid, workspace, contributions, s
         As of `sweep_pings`; added to.
     """
     line, shares = np.zeros(arrays.bins, np.float32), empty_shares_of_images(laid, image_laid)
-    sink = EchoSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), contributions, False)
+    sink = StretchSink(RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), contributions, False)
     for ping in range(poses.x.size):
         for side in range(2):
             missed = errors[ping : ping + 1, side]
@@ -186,7 +168,7 @@ def add_multipath(
     if is_measured:
         square_record(sums, factor, intensity, missed[0])
     if arrays.multipath.surface_echo:
-        add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
+        add_surface_echo(arrays, poses, ping, side, workspace.rows, sink)
         accumulate_bins(bins, factor, line)
         _add_line(line, intensity)
 
@@ -243,12 +225,36 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pairs, reaches, workspace
         views, zbuffers = (images[lower], images[1]), (workspace.zbuffers[lower], workspace.zbuffers[1])
         knots = _knots_within(profile.x, count, reach)
         _weigh_pair(arrays, knots, pair, one, views[0], views[1], workspace)
-        n = _list_bed(arrays, knots, pair, views, zbuffers, cells, workspace, sink)
+        if knots > 1:
+            _sink_bed(arrays, sector, knots, pair, views, zbuffers, cells, workspace, sink)
         if cells[0] > 0:
-            sectors, x, echoes = (one, other), profile.x, workspace.echoes
-            n = list_target_echoes(arrays, knots, pair, plane, sectors, cells, x, views, zbuffers, echoes, n, sink)
-        facets = arrays.multipath.facets[pair.passes - 1]
-        deposit_echoes(workspace.echoes, n, facets, arrays.bin_length, pair.path, sink)
+            _sink_targets(arrays, knots, pair, plane, (one, other), views, zbuffers, cells, workspace, sink)
+
+
+@inlined_uncounted
+def _sink_bed(arrays, sector, count, pair, images, zbuffers, cells, workspace, sink):
+    """Put the echoes of the bed that both images see into a sink."""
+    (one, other), segments, facets = images, workspace.segments, arrays.multipath.facets[pair.passes - 1]
+    lower = view_bed(one.z, one.launch, one.horizon, zbuffers[0], cells[0])
+    higher = view_bed(other.z, other.launch, other.horizon, zbuffers[1], cells[1])
+    hidden = lower.hidden + higher.hidden
+    deposit_paired_profile(workspace.profile, count, one, other, pair, hidden, arrays, sink, segments)
+    list_bed(
+        workspace.profile, count, segments.cut, segments.marked, segments.weight, (lower, higher), zbuffers[0], pair,
+        arrays, sector, facets, workspace.pieces, workspace.rows, sink,
+    )  # fmt: skip
+
+
+@inlined_uncounted
+def _sink_targets(arrays, knots, pair, plane, sectors, images, zbuffers, cells, workspace, sink):
+    """Put the echoes of the targets that both images see into a sink."""
+    x, (one, other), facets = workspace.profile.x, images, arrays.multipath.facets[pair.passes - 1]
+    bed, bodies = BedHorizon(x, one.z, one.horizon, knots), (arrays.solids, arrays.mesh, arrays.reflectivity)
+    higher = view_from_higher(BedHorizon(x, other.z, other.horizon, knots), zbuffers[1], cells[1])
+    seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
+    pattern, rows = arrays.pattern, workspace.rows
+    lower, count = zbuffers[0], cells[0]
+    sink_paired_targets(bed, higher, bodies, pattern, pair, sectors, seen_from, lower, count, facets, rows, sink)
 
 
 @inlined_uncounted
@@ -306,77 +312,8 @@ def _weigh_pair(arrays, count, pair, sector, one, other, workspace):
             weight[i] = lower[i]
 
 
-@inlined_uncounted
-def _list_bed(arrays, count, pair, images, zbuffers, cells, workspace, sink):
-    """Add the echoes of the bed that both images see; return the number of those listed, but not deposited yet."""
-    if count < 2:
-        return 0
-    (one, other), (lower, higher), echoes, segments = images, zbuffers, workspace.echoes, workspace.segments
-    occlusions = occlusion_of(lower, cells[0]), occlusion_of(higher, cells[1])
-    hidden = occluded_slopes(lower, cells[0]) + occluded_slopes(higher, cells[1])
-    deposit_paired_profile(workspace.profile, count, one, other, pair, hidden, arrays, sink, segments)
-    profile, weight, n = workspace.profile, segments.weight, 0
-    for k in range(list_marked(segments.cut, count - 1, segments.marked)):
-        i, table = segments.marked[k], arrays.reflectivity
-        n = _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, other, echoes, n)
-        if n > ENOUGH:
-            deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
-            n = 0
-    return n
-
-
-@inlined_uncounted
-def _list_segment(i, table, pair, hidden, occlusions, profile, weight, one, other, echoes, n):
-    """List the echo of segment i of the bed, less what one of the images does not see of it."""
-    x, row, rise = profile.x, profile.material[i], np.float64(profile.slope[i])
-    near, far = np.float64(weight[i]), np.float64(weight[i + 1])
-    if not near + far > 0.0 or not profile.area[i] > 0.0:
-        return n
-    rate = (far - near) / (x[i + 1] - x[i])
-    lower, higher = SegmentLine(one.z[i] - rise * x[i], rise), SegmentLine(other.z[i] - rise * x[i], rise)
-    segment = PairedSegment(
-        lower, higher, profile.area[i], near - rate * x[i], rate, row, table[row, 0], table[row, 1], table[row, 2]
-    )
-    start = visible_from(lower, x[i], x[i + 1], one.launch[i], one.horizon[i])
-    start = max(start, visible_from(higher, x[i], x[i + 1], other.launch[i], other.horizon[i]))
-    covered = (one.launch[i + 1] > hidden[0]) & (one.launch[i] < hidden[1])
-    if covered or ((other.launch[i + 1] > hidden[2]) & (other.launch[i] < hidden[3])):
-        return _list_visible_to_both(segment, pair, start, x[i + 1], occlusions, echoes, n)
-    near, far = echo_range(segment, start), 0.5 * (one.r[i + 1] + other.r[i + 1])
-    return list_stretch(segment, pair, start, x[i + 1], near, far, echoes, n)
-
-
 @kernel_uncounted
-def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
-    """List the echoes of a segment between two ground ranges that no target hides from either image."""
-    if is_hidden(occlusions[0], segment.one, x_from, x_to) or is_hidden(occlusions[1], segment.other, x_from, x_to):
-        return n
-    low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
-    while low < high:
-        opened, closed, start, stop = next_stretch(occlusions[0], segment.one, low, high, x_from, x_to)
-        if opened >= high:
-            break
-        n = _list_visible_to_higher(segment, pair, start, stop, occlusions[1], echoes, n)
-        low, x_from = closed, stop
-    return n
-
-
-@kernel_uncounted
-def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
-    """List the echoes of a segment between two ground ranges that no target hides from the higher image."""
-    low, high = launch_angle(segment.other, x_from), launch_angle(segment.other, x_to)
-    while low < high:
-        opened, closed, start, stop = next_stretch(occlusion, segment.other, low, high, x_from, x_to)
-        if opened >= high:
-            break
-        near, far = echo_range(segment, start), echo_range(segment, stop)
-        n = list_stretch(segment, pair, start, stop, near, far, echoes, n)
-        low, x_from = closed, stop
-    return n
-
-
-@kernel_uncounted
-def add_surface_echo(arrays, poses, ping, side, echoes, sink):
+def add_surface_echo(arrays, poses, ping, side, rows, sink):
     """Add the echo of the sea surface straight above: of an image source twice as far away as the surface."""
     # It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of
     # a lamp in a mirror.
@@ -391,8 +328,8 @@ def add_surface_echo(arrays, poses, ping, side, echoes, sink):
     energy = value if law == LIGHT else 0.25 * value * depth * depth
     rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
     tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
-    n = list_echo(echoes, 0, SurfaceEcho(depth, depth, energy, rise, tilt, 0.0, 1.0, 0))
-    deposit_echoes(echoes, n, arrays.multipath.facets[0], arrays.bin_length, SURFACE_ECHO, sink)
+    n = list_stretch(rows, 0, Stretch(depth, depth, energy, 0.0, 0.0, 1.0, 0, rise, tilt), True)
+    sink_stretches(rows, n, arrays.multipath.facets[0], arrays.bin_length, SURFACE_ECHO, sink)
 
 
 @kernel
@@ -403,7 +340,7 @@ def note_plane_echoes(arrays, poses, ping, side, path, fan, k, workspace, sink):
     """
     if path == SURFACE_ECHO:
         if arrays.multipath.surface_echo:
-            add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
+            add_surface_echo(arrays, poses, ping, side, workspace.rows, sink)
         return arrays.multipath.surface_echo
     pairs = image_pairs(arrays, poses.x[ping], poses.y[ping], poses.z[ping])
     pair, height = pairs[path - SURFACE_BOTTOM], max(poses.z[ping] - arrays.bed.low, LOWEST)

@@ -9,10 +9,7 @@ import math
 from typing import NamedTuple
 
 from insonify.compiler.jit import inlined_uncounted
-from insonify.kernels.beam.azimuth_sector import sector_weight, sector_width
-from insonify.kernels.common.range_bins import FIXED_POINT, add_energy, spread_energy
-from insonify.kernels.common.scattering import backscatter_strength
-from insonify.kernels.common.types import LIGHT
+from insonify.kernels.beam.azimuth_sector import sector_width
 from insonify.kernels.geometry.cross_sections import NEVER
 
 MOST_PARTS = 16
@@ -96,12 +93,6 @@ def tilt_in_plane(curve, distance, share):
 
 
 @inlined_uncounted
-def cos_incidence(curve, tilt):
-    """Cosine of the incidence where a facet has some tilt within the plane: its tan² is gain · tilt² + left."""
-    return 1.0 / math.sqrt(1.0 + curve.left + curve.gain * tilt * tilt)
-
-
-@inlined_uncounted
 def divide_facet(facet, sine_squared, material, near, centre, far):
     """Count the parts in which a facet's echo must be summed; average the specular lobe if one is enough."""
     angle, specular, exponent = facet.high - facet.low, material[1], material[2]
@@ -128,33 +119,6 @@ def divide_facet(facet, sine_squared, material, near, centre, far):
 
 
 @inlined_uncounted
-def deposit_facet(facet, bounds, gain, material, sector, pattern, law, bin_length, bins):
-    """Spread the energy of one facet over the range bins."""
-    if not is_facet_met(facet):
-        return
-    per_bin, weight = 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
-    near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
-    across, least, most = span_of_sector(facet, bounds, sector, pattern)
-    span = SectorSpan(across * per_bin, least * per_bin, most * per_bin)
-    parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
-    if parts == 1:
-        first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
-        if int(min(near, centre, far) - 0.5 * span.across) == int(max(near, centre, far) + 0.5 * span.across):
-            add_energy(bins, 0.5 * (near + centre), first)
-            add_energy(bins, 0.5 * (centre + far), second)
-            return
-        _spread_across(bins, near, centre, span, first)
-        _spread_across(bins, centre, far, span, second)
-        return
-    curve = facet_curve(facet)
-    start = facet.near
-    for k in range(parts):
-        stop, _, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
-        _spread_across(bins, start * per_bin, stop * per_bin, span, energy)
-        start = stop
-
-
-@inlined_uncounted
 def span_of_sector(facet, bounds, sector, pattern):
     """Slant ranges that a facet's tangent plane spans within its plane's sector, and those of its body."""
     width = sector_width(facet.centre * facet.cosine, facet.centre * facet.sine, facet.centre, sector, pattern)
@@ -178,41 +142,3 @@ def widen(near, far, span):
     middle, length = 0.5 * (near + far), far - near
     half = 0.5 * math.sqrt(length * length + span.across * span.across)
     return max(middle - half, min(span.least, near, far)), min(middle + half, max(span.most, near, far))
-
-
-@inlined_uncounted
-def _spread_across(bins, near, far, span, energy):
-    """Spread the energy of a stretch between two positions over the bins."""
-    start, stop = widen(near, far, span)
-    spread_energy(bins, start, stop, energy)
-
-
-@inlined_uncounted
-def facet_weight(facet, gain, sector, pattern, law):
-    """Factor of a facet's energy that beam, refraction and fixed-point units make."""
-    x, z = facet.centre * facet.cosine, facet.centre * facet.sine
-    return gain * FIXED_POINT * sector_weight(x, z, facet.centre, sector, pattern, law)
-
-
-@inlined_uncounted
-def half_energies(facet, weight, material, law, per_bin):
-    """Energies of the two halves of a facet of one strength, in fixed-point units."""
-    value = weight * backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
-    if law == LIGHT:
-        return value * per_bin * abs(facet.centre - facet.near), value * per_bin * abs(facet.far - facet.centre)
-    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
-    half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
-    return half, half
-
-
-@inlined_uncounted
-def part_echo(facet, curve, k, parts, start, weight, material, law, per_bin):
-    """Where part k of a facet ends, the cosine of its incidence, and its energy in fixed-point units."""
-    stop, middle = along_curve(facet, curve, (k + 1.0) / parts), (k + 0.5) / parts
-    distance = along_curve(facet, curve, middle)
-    cosine = cos_incidence(curve, tilt_in_plane(curve, distance, middle))
-    value = weight * backscatter_strength(cosine, material[0], material[1], material[2], law)
-    if law == LIGHT:
-        return stop, cosine, value * per_bin * abs(stop - start)
-    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
-    return stop, cosine, value * distance * curve.angle / (parts * cosine)

@@ -16,8 +16,9 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.compiler.jit import inlined, inlined_before_typing, inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
 from insonify.kernels.bed.grid import is_oblique
-from insonify.kernels.bed.profile import Profile, empty_profile, list_marked, profile_capacity
+from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import slice_bed, snap_to_grid
+from insonify.kernels.common.contributors import ContributorTable, empty_contributor_table
 from insonify.kernels.common.range_bins import RangeBins, accumulate_bins
 from insonify.kernels.common.types import PORT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -27,12 +28,8 @@ from insonify.kernels.refraction.apparent_positions import (
     prepare_table,
     straight_grid,
 )
-from insonify.kernels.sweep.partial_segments import (
-    deposit_partial_segment,
-    deposit_visible_stretches,
-    load_segment,
-    visible_from,
-)
+from insonify.kernels.sweep.bed_stretches import SegmentPieces, empty_pieces, list_bed, view_bed
+from insonify.kernels.sweep.image_paths import DIRECT, direct_path
 from insonify.kernels.sweep.plane_errors import (
     LEAST_PLANES,
     NODES,
@@ -45,10 +42,11 @@ from insonify.kernels.sweep.plane_errors import (
     weigh_plane,
 )
 from insonify.kernels.sweep.segment_densities import deposit_densities, deposit_linear_densities
-from insonify.kernels.sweep.target_echoes import deposit_targets
+from insonify.kernels.sweep.stretches import StretchSink, empty_stretch_list, note_whole_segments
+from insonify.kernels.sweep.target_stretches import BedHorizon, sink_targets
 from insonify.kernels.sweep.visibility import SegmentEchoes, empty_segment_echoes, find_visible_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
-from insonify.kernels.targets.occlusion import occluded_slopes, occlusion_of
+from insonify.kernels.targets.occlusion import occluded_slopes
 
 LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
 
@@ -88,64 +86,38 @@ class LaidPlanes(NamedTuple):
 
 
 class SweepWorkspace(NamedTuple):
-    """Work space for one plane."""
+    """Work space for one plane, and the contributors to one side of a ping if they are noted."""
 
     profile: Profile
     echoes: SegmentEchoes
     zbuffer: AngularZbuffer
     table: NDArray[np.float32]  # apparent positions from the height of one ping, (rows, columns, 4)
+    pieces: SegmentPieces
+    rows: NDArray[np.float64]  # a list of stretches
+    calm: NDArray[np.float64]  # (0, 4) facets of the sea surface: the direct path meets none
+    contributions: ContributorTable
+    labelling: bool  # whether contributors are noted
 
 
 def empty_sweep_workspace(
-    arrays: SceneArrays, apparent: ApparentTables, dtype: DTypeLike = np.float32
+    arrays: SceneArrays,
+    apparent: ApparentTables,
+    dtype: DTypeLike = np.float32,
+    contributions: ContributorTable | None = None,
 ) -> SweepWorkspace:
     """Make room for the planes of a scene, in single precision or, to measure its error, in double."""
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, arrays.bins, dtype)
-    table = np.zeros(apparent.tables.shape[1:], np.float32)
-    return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), table)
-
-
-@inlined_uncounted
-def _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins):
-    """Spread the echoes of all visible segments of a profile over the range bins."""
-    if is_oblique(plane.ex, plane.ey):
-        deposit_linear_densities(count, echoes, arrays.bin_length, bins)
-    else:
-        deposit_densities(count, echoes, arrays.bin_length, bins)
-    marked = list_marked(echoes.cut, count - 1, echoes.marked)
-    if cells > 0:
-        _deposit_behind_targets(profile, marked, arrays, sector, zbuffer, cells, echoes, bins)
-        return
-    # Arrays are taken out of their tuples before the loop: doing so costs as much as a segment.
-    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
-    material, weights, launch, horizon = profile.material, echoes.weight, echoes.launch, echoes.horizon
-    table, law, bin_length, indices = arrays.reflectivity, arrays.law, arrays.bin_length, echoes.marked
-    for k in range(marked):
-        i = indices[k]
-        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
-        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
-        deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
-
-
-@kernel
-def _deposit_behind_targets(profile, marked, arrays, sector, zbuffer, cells, echoes, bins):
-    """Spread the echoes of the marked segments, less what targets hide of them."""
-    occlusion = occlusion_of(zbuffer, cells)
-    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
-    material, weights, launch, horizon = profile.material, echoes.weight, echoes.launch, echoes.horizon
-    table, law, bin_length, indices = arrays.reflectivity, arrays.law, arrays.bin_length, echoes.marked
-    for k in range(marked):
-        i = indices[k]
-        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
-        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
-        deposit_visible_stretches(segment, start, x[i + 1], occlusion, law, bin_length, bins)
+    table, zbuffer = np.zeros(apparent.tables.shape[1:], np.float32), empty_zbuffer(arrays.solids, arrays.mesh)
+    noted = empty_contributor_table(0, 0, 1, 0) if contributions is None else contributions
+    rows, calm, labelling = empty_stretch_list(), np.zeros((0, 4)), contributions is not None
+    return SweepWorkspace(profile, echoes, zbuffer, table, empty_pieces(zbuffer), rows, calm, noted, labelling)
 
 
 @inlined_uncounted
 def view_plane(arrays, plane, sector, reach, grid, workspace):
     """Slice what one plane cuts, and find what of it is visible; return the cells of the z-buffer and the knots."""
-    profile, echoes, zbuffer, table = workspace
+    profile, echoes, zbuffer, table = workspace.profile, workspace.echoes, workspace.zbuffer, workspace.table
     # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
     hidden_from, hidden_to = occluded_slopes(zbuffer, cells)
@@ -159,14 +131,41 @@ def view_plane(arrays, plane, sector, reach, grid, workspace):
 
 @inlined_uncounted
 def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
-    """Put the echoes of the bed and of the targets that one plane cuts into a difference array."""
-    profile, echoes, zbuffer, _ = workspace
+    """Put the echoes of the bed and of the targets that one plane cuts into a difference array, and note them."""
     cells, count = view_plane(arrays, plane, sector, reach, grid, workspace)
+    sink = StretchSink(bins, workspace.contributions, workspace.labelling)
     if count > 1:
-        _deposit_segments(profile, count, plane, arrays, sector, zbuffer, cells, echoes, bins)
+        _sweep_bed(arrays, plane, sector, cells, count, workspace, sink)
     if cells > 0:
-        deposit_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, bins)
+        profile, zbuffer, calm, rows = workspace.profile, workspace.zbuffer, workspace.calm, workspace.rows
+        bed = BedHorizon(profile.x, profile.z, workspace.echoes.horizon, count)
+        bodies, law, bin_length = (arrays.solids, arrays.mesh, arrays.reflectivity), arrays.law, arrays.bin_length
+        # What is not needed is not handed over.
+        sink_targets(bed, bodies, arrays.pattern, law, bin_length, sector, plane, zbuffer, cells, calm, rows, sink)
     return cells, count
+
+
+@inlined_uncounted
+def _sweep_bed(arrays, plane, sector, cells, count, workspace, sink):
+    """Put the echoes of all visible segments of a profile into a sink."""
+    profile, echoes, zbuffer, bin_length = workspace.profile, workspace.echoes, workspace.zbuffer, arrays.bin_length
+    if sink.labelling:
+        # Without refraction there are no ratios.
+        ratios = profile.range_ratio[: profile.range_ratio.size if sector.bent else 0]
+        note_whole_segments(
+            profile.x, echoes.r, ratios, profile.material, echoes.cos_squared, echoes.energy, count, DIRECT,
+            bin_length, sink.contributions,
+        )  # fmt: skip
+    if is_oblique(plane.ex, plane.ey):
+        deposit_linear_densities(count, echoes, bin_length, sink.bins)
+    else:
+        deposit_densities(count, echoes, bin_length, sink.bins)
+    view = view_bed(profile.z, echoes.launch, echoes.horizon, zbuffer, cells)
+    path, pieces, rows = direct_path(arrays.law, bin_length, sink.labelling), workspace.pieces, workspace.rows
+    list_bed(
+        profile, count, echoes.cut, echoes.marked, echoes.weight, (view, view), zbuffer, path, arrays, sector,
+        workspace.calm, pieces, rows, sink,
+    )  # fmt: skip
 
 
 @kernel

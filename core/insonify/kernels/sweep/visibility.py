@@ -19,7 +19,7 @@ from insonify.kernels.bed.profile import WORD, padded_count
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import incidence_powers, scatter_segments
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.bed_stretches import FINE
 from insonify.kernels.sweep.segment_densities import fit_densities
 
 NADIR = -1e30  # slope of a ray straight down

@@ -54,6 +54,13 @@ def load_primitive(solids, mesh, plane, body, line, source):
 
 
 @inlined_uncounted
+def target_of(solid_target, mesh_target, body):
+    """Index of the declared target that a body belongs to, from those of all solids and of all triangles."""
+    bodies = solid_target.size
+    return solid_target[body] if body < bodies else mesh_target[body - bodies]
+
+
+@inlined_uncounted
 def intersect_primitive(primitive, c, s):
     """Slant range of a primitive along a ray of its plane, and the cosine of the incidence there."""
     distance, incidence, _ = meet_primitive(primitive, c, s)
