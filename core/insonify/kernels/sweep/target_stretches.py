@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.compiler.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
+from insonify.compiler.jit import NOTHING, inlined_before_typing, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, pair_response, paired_weight, sector_weight
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER
@@ -101,7 +101,7 @@ class HigherView(NamedTuple):
     nearness_sine: NDArray[np.float64]
 
 
-@inlined_uncounted
+@inlined_before_typing
 def view_from_higher(bed, zbuffer, cells):
     """Gather what the higher of two images sees of a plane."""
     return HigherView(
