@@ -125,7 +125,10 @@ def short_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
     return edit(scene, changes), np.arange(count)
 
 
-def _scene(title: str, seed: int, *, sonar: Spec, **parts: Any) -> Scene:
+def _scene(title: str, seed: int, *, sonar: Spec, water: Spec, **parts: Any) -> Scene:
+    if water["kind"] != "uniform" or "surface" in water:
+        sonar = sonar | {"law": "sonar"}  # light goes straight, and returns once
+    parts["water"] = water
     return Scene.model_validate({"title": title, "seed": seed, "sonar": {"pulse": "ideal", **sonar}, **parts})
 
 
