@@ -15,7 +15,6 @@ import insonify_viewer
 from commands import PATIENCE, run_python
 from insonify.scene import SceneError, scene_to_toml
 from insonify_viewer.errors import guard_override
-from insonify_viewer.panels.pixel import controller as pixel_controller
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.window.uncaught_errors import reported_errors
 from insonify_viewer.work.jobs import State
@@ -53,7 +52,7 @@ def test_a_mistake_is_copied_with_its_circumstances_and_a_fault_of_an_explanatio
     assert QGuiApplication.clipboard().text().startswith("track.pings: 0 is too few")
     # A fault of an explanation is told.
     viewer.window.say("another sentence")
-    monkeypatch.setattr(pixel_controller, "_explained", fail)
+    monkeypatch.setattr(viewer.panels["pixel"]._question, "_work", fail)
     with qtbot.captureExceptions() as printed, reported_errors(viewer.window.complain):
         viewer.inspection.pin(Mark(viewer.tow.top - 5, 0, 40))
         qtbot.waitUntil(viewer.window.status.copy.isVisible)

@@ -130,7 +130,7 @@ def sink_paired_targets(bed, higher, bodies, pattern, path, sectors, plane, zbuf
 @inlined_uncounted
 def _list_targets(bed, higher, bodies, pattern, path, sectors, plane, zbuffer, cells, waves, rows, sink):
     """List the stretches of targets that both images of a path see, and put them into a sink."""
-    knot, n, lit, bent = -1, 0, path.law == LIGHT and path.raised > 0.0, sectors[0].bent
+    knot, n, bent = -1, 0, sectors[0].bent
     # Arrays are taken out of their tuples before the loop: doing so costs more than a facet.
     (solids, mesh, table), zb = bodies, zbuffer
     edge, cosine, sine, nearest, leans = zb.edge, zb.cosine, zb.sine, zb.nearest, zb.lean
@@ -150,20 +150,13 @@ def _list_targets(bed, higher, bodies, pattern, path, sectors, plane, zbuffer, c
         # A cell that is whole has been met along its beginning, its middle and its end.
         whole = facets == 1 and horizon_at(bed, knot, farthest) * cosine[cell] <= sine[cell]
         for k in range(facets):
-            if not whole or lit:
+            if not whole:
                 primitive = load_primitive(solids, mesh, plane, surface.body, line[p], surface.source)
-                if not whole:
-                    facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, bed, knot)
-                if lit and is_facet_met(facet):
-                    facet = _cut_facet(facet, primitive, surface.body, path.raised, higher, knot)
+                facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, bed, knot)
                 if path.raised > 0.0:
                     lean = meet_primitive(primitive, facet.cosine, facet.sine)[2]
-            if not is_facet_met(facet):
-                continue
-            if not lit:
+            if is_facet_met(facet):
                 n = list_facet(facet, lean, surface, pattern, path, sectors, higher, knot, rows, n)
-            else:
-                n = _list_light(facet, lean, surface, primitive, pattern, path, sectors, higher, knot, rows, n)
         if n > ENOUGH:
             sink_stretches(rows, n, waves, path.bin_length, path.path, sink)
             n = 0
@@ -373,74 +366,6 @@ def _part_of_facet(facet, curve, tilt_along, k, parts, near, numbers, path):
         return far, cosine, value * abs(far - near) / path.bin_length
     # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
     return far, min(cosine, cos_other), value * r * curve.angle / (parts * cosine)
-
-
-@inlined_uncounted
-def _list_light(facet, lean, surface, primitive, pattern, path, sectors, higher, knot, rows, n):
-    """List a facet under law `light`: every part has the mean radiance of its ends over the slant range it spans."""
-    # Towards a body's edge slant range changes as the root of the launch angle that is left, where a parabola errs, but
-    # the cosines are linear in slant range.
-    place = _see_place(facet.centre, facet.cosine, facet.sine, facet.incidence, lean, path.raised)
-    weight, numbers = facet_weight(facet, surface.source.gain, place, pattern, path, sectors), surface.numbers
-    if not (weight > 0.0 and _is_seen_from_higher(place, surface.body, path.raised, higher, knot)):
-        return n
-    per_bin, echo = 1.0 / path.bin_length, _echo_of_facet(facet, place, weight, surface, path)
-    span = _span_of_path(span_of_sector(facet, surface.bounds, sectors[0], pattern), place, path)
-    middle, mirrored = 0.5 * (place.distance + place.r_other), 2.0 * place.incidence * place.cos_other - place.along
-    off_mirror, near, far = max(0.5 - 0.5 * mirrored, 0.0), echo.near * per_bin, echo.far * per_bin
-    parts = max(LIT_PARTS * divide_facet(facet, off_mirror, numbers, near, middle * per_bin, far)[0], LEAST_LIT)
-    near, before = _radiance_along(primitive, numbers, facet, 0.0, path)
-    for k in range(parts):
-        far, after = _radiance_along(primitive, numbers, facet, (k + 1.0) / parts, path)
-        energy = 0.5 * (before + after) * abs(far - near) * per_bin
-        start, stop = widen(near, far, span)
-        n, near, before = _list_part(echo, start, stop, energy, echo.cosine, path, rows, n), far, after
-    return n
-
-
-@inlined_uncounted
-def _radiance_along(primitive, numbers, facet, share, path):
-    """Slant range and radiance for a pair of images at a share of the launch angle of a facet, intersected there."""
-    # At the very ends a body may be missed, or one face be taken for another.
-    angle = facet.low + min(max(share, INSIDE), 1.0 - INSIDE) * (facet.high - facet.low)
-    c, s = math.cos(angle), math.sin(angle)
-    distance, cosine, lean = meet_primitive(primitive, c, s)
-    place = _see_place(distance, c, s, cosine, lean, path.raised)
-    mirrored = 2.0 * cosine * place.cos_other - place.along
-    value = path_strength(cosine, place.cos_other, mirrored, numbers[0], numbers[1], numbers[2], path)
-    return 0.5 * (distance + place.r_other), value
-
-
-@inlined_uncounted
-def _cut_facet(facet, primitive, body, raised, higher, knot):
-    """Part of a facet that the higher image sees, as law `light` needs it."""
-    # Light counts the slant range that a facet spans, most of which may lie where it turns away from the higher image;
-    # law `sonar` counts its area, seen there at a vanishing cosine.
-    # At a rim, where facets begin and end, one face would be taken for another.
-    inside = INSIDE * (facet.high - facet.low)
-    clear, hidden = facet.low + inside, facet.high - inside
-    begins = _is_seen_along(clear, primitive, body, raised, higher, knot)
-    if begins == _is_seen_along(hidden, primitive, body, raised, higher, knot):
-        return facet
-    if not begins:
-        clear, hidden = hidden, clear
-    for _ in range(HALVINGS):
-        middle = 0.5 * (clear + hidden)
-        if _is_seen_along(middle, primitive, body, raised, higher, knot):
-            clear = middle
-        else:
-            hidden = middle
-    return intersect_facet(primitive, facet.low, clear) if begins else intersect_facet(primitive, clear, facet.high)
-
-
-@inlined_uncounted
-def _is_seen_along(angle, primitive, body, raised, higher, knot):
-    """Whether the higher image sees the place where a launch angle of the lower one meets a primitive."""
-    c, s = math.cos(angle), math.sin(angle)
-    distance, cosine, lean = meet_primitive(primitive, c, s)
-    if not distance < NEVER:
-        return False
-    return _is_seen_from_higher(_see_place(distance, c, s, cosine, lean, raised), body, raised, higher, knot)
 
 
 @inlined_uncounted
