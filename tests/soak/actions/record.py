@@ -22,7 +22,7 @@ def change_display(viewer: Viewer, random: Random) -> Steps:
     gain.slider.setValue(int(random.integers(STEPS)))
     yield 50.0
     low, high = sorted(random.uniform(-50.0, 20.0, 2))
-    view.histogram.dragged.emit(float(low), float(high) + 1.0)
+    view.histogram.ends_dragged.emit(float(low), float(high) + 1.0)
     view.zoomed.emit(float(random.choice([0.0, 0.5, 2.0])))
     yield 100.0
     if random.random() < 0.5:

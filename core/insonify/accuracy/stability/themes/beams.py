@@ -20,7 +20,7 @@ from insonify.acoustics.resolution_cell import bin_centres
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.arrays import Floats, Singles
 from insonify.kernels.beam.pattern import ring_responses
-from insonify.kernels.common.types import LIGHT, NO_DECAY, SceneArrays, still_water
+from insonify.kernels.common.types import NO_DECAY, SceneArrays, still_water
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.seabed.reliefs.fractal import Fractal
@@ -389,43 +389,3 @@ def _squint() -> Measured:
     curves = plain[shown], own[shown], exact[shown]
     picture = plot("slant range (m)", "echo by the surface", r[shown], *curves, log="y")
     return Measured.by(lambda one: worst(one.sum(), exact.sum()), plain, own, picture)
-
-
-CENTRE, BALL = (12.0, -9.0), 0.6  # m, of a ball: ground range, height above the sonar; and its radius
-
-
-def _radiances(facets: int) -> tuple[Floats, Floats, float]:
-    """Slant ranges in the middles of facets of a ball, Lambert's radiance there for both images, and its sum.
-
-    Facets are denser towards the edges; the radiance is 0 where the facet is hidden from the higher image.
-    """
-    x, z = CENTRE
-    distance, middle = math.hypot(x, z), math.atan2(z, x)
-    borders = -math.asin(BALL / distance) * np.cos(np.pi * np.arange(facets + 1) / facets)
-
-    def legs(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        root = np.sqrt(np.clip(BALL**2 - (distance * np.sin(angle)) ** 2, 0.0, None))
-        near = distance * np.cos(angle) - root
-        px, pz = near * np.cos(middle + angle), near * np.sin(middle + angle)
-        far = np.hypot(px, pz - RAISED)
-        facing = -((px - x) * px + (pz - z) * (pz - RAISED)) / (BALL * far)
-        return 0.5 * (near + far), root / BALL, facing
-
-    r, one, other = legs(0.5 * (borders[1:] + borders[:-1]))
-    radiance = np.where(other > 0.0, one + other, 0.0)
-    return r, radiance, float((radiance * np.abs(np.diff(legs(borders)[0]))).sum())
-
-
-@SEA_SURFACE.case("Light at a body's edge",
-    "Under law light an echo is weighted by the range that it spans, which is large at the edge of a round body.",
-    "error of the energy of a ball", "%",
-    "Takes the radiance in the middle of each of 24 facets, and the whole facet if that is visible.", 0.5,
-    "Cuts facets at the edge of what an image illuminates, and takes the mean radiance of their ends.",
-    0.05)  # fmt: skip
-def _light_at_an_edge() -> Measured:
-    changes = {"sonar.range": 60.0, "sonar.bins": 1200}
-    arrays = _alone((CENTRE[0], CENTRE[1] - DEPTH), BALL, [1.0, 0.0, 1.0], **changes)._replace(law=LIGHT)
-    (r, radiance, plain), (fine, fine_radiance, exact) = _radiances(24), _radiances(100_000)
-    own = float(_surface_echo(arrays).sum() * arrays.bin_length)
-    picture = plot("slant range (m)", "radiance for both images", r, radiance, None, (fine, fine_radiance))
-    return Measured.by(lambda energy: worst(energy, exact), plain, own, picture)
