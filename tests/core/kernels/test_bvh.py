@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.kernels.common.types import Mesh
-from insonify.kernels.geometry.bvh import LEAF, build_mesh
+from insonify.kernels.geometry.bvh import LEAF, SLABS, build_mesh, slab_of
 
 
 def soup(n: int, seed: int = 1, *, scale=(20.0, 20.0, 4.0), size=0.5) -> np.ndarray:
@@ -42,6 +42,7 @@ CASES = {
     "most in one place": np.concatenate([np.repeat(soup(1), 300, axis=0), soup(20)]),
     "sizes of every order": soup(400) * np.logspace(-6, 3, 400)[:, None, None],
     "level, but for next to nothing": soup(60) * (1.0, 1.0, 1e-311),
+    "as small as the rounding of their places": np.add(soup(200, scale=(1e-9,) * 3, size=1e-10), (0.0, 5e5, -500.0)),
 }
 
 
@@ -68,6 +69,12 @@ def test_every_triangle_is_in_exactly_one_leaf_and_links_and_boxes_are_right(cor
             # Two branches, one after the other, end where their parent ends.
             assert mesh.first[node + 1] == mesh.first[node]
             assert mesh.skip[mesh.skip[node + 1]] == after
+
+
+def test_a_centre_that_rounding_moves_out_of_all_slabs_lies_in_the_next():
+    assert slab_of(5e5, 5e5, 1e6 + 1e-9, 8e9) == 0
+    assert slab_of(5e5, 5e5 + 2e-9, 1e6, 8e9) in range(SLABS)
+    assert slab_of(5e5, 5e5 + 1.0, 1e6, 8e9) == SLABS - 1
 
 
 def test_the_same_triangles_make_the_same_tree_and_none_an_empty_one():

@@ -19,6 +19,7 @@ from insonify.kernels.sweep.plane_errors import (
     begin_side,
     empty_plane_sums,
     finish_side,
+    share_planes,
 )
 
 BINS = 4000
@@ -82,3 +83,16 @@ def test_an_edge_at_a_border_of_a_target_is_known_and_errs_by_nothing():
     lit = np.repeat([0.0, 1.0], 4)[:, None] + np.zeros(BINS)
     assert estimate(lit) > 0.0
     assert estimate(lit, apart=(4,)) == 0.0
+
+
+@pytest.mark.parametrize("bins", [1, 2, 10, NODES])
+def test_records_of_few_bins_are_weighed_within_their_room(bins):
+    sums, guarded = empty_plane_sums(bins), np.full(3 * bins + 2 * NODES, np.float32(7.0))
+    sums = sums._replace(density=guarded[: 3 * bins].reshape(3, bins))
+    sums.nodes[:] = np.linspace(1.0, bins + 1.0, NODES)
+    weights = np.arange(2.0 * (NODES + 1)).reshape(2, NODES + 1)
+    whole = weights.sum(axis=0)
+    share_planes(sums, weights)
+    assert (guarded == 7.0).all()
+    np.testing.assert_allclose(sums.weights, whole)
+    np.testing.assert_allclose(weights.sum(axis=0), 1.0)

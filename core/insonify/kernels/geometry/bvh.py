@@ -98,7 +98,7 @@ def _split_triangles(order, low, high, start, stop):
         counts[:], lows[:], highs[:] = 0, np.inf, -np.inf
         for k in range(start, stop):
             i = order[k]
-            slab = int((low[i, axis] + high[i, axis] - centre_low) * per_metre)
+            slab = slab_of(low[i, axis], high[i, axis], centre_low, per_metre)
             counts[slab] += 1
             for side in range(3):
                 lows[slab, side] = min(lows[slab, side], low[i, side])
@@ -110,6 +110,12 @@ def _split_triangles(order, low, high, start, stop):
     if best_axis < 0:
         return (start + stop) // 2  # all centres coincide: any split will do
     return _partition(order, low, high, start, stop, best_axis, best_slab, best_from, best_per_metre)
+
+
+@inlined
+def slab_of(low, high, centre_low, per_metre):
+    """Slab in which the centre of a triangle lies, of one as small as the rounding of its place too."""
+    return min(max(int((low + high - centre_low) * per_metre), 0), SLABS - 1)
 
 
 @inlined
@@ -156,7 +162,7 @@ def _partition(order, low, high, start, stop, axis, last_slab, centre_low, per_m
     front, back = start, stop - 1
     while front <= back:
         i = order[front]
-        if int((low[i, axis] + high[i, axis] - centre_low) * per_metre) <= last_slab:
+        if slab_of(low[i, axis], high[i, axis], centre_low, per_metre) <= last_slab:
             front += 1
         else:
             order[front], order[back] = order[back], i

@@ -46,6 +46,7 @@ class PlaneSums(NamedTuple):
     sums: NDArray[np.float64]
     edges: NDArray[np.int64]  # (regions, 2) bins at which the regions begin and end
     nodes: NDArray[np.float64]  # (NODES,) bins at which planes are weighed
+    weights: NDArray[np.float64]  # (NODES + 1,) weights of all planes there, and last that of level sound
     # (regions, 5) of the planes since the last border of a target: the same, but for α, and squares of differences of
     # planes one and two spacings apart.
     piece: NDArray[np.float64]
@@ -58,8 +59,8 @@ def empty_plane_sums(bins: int) -> PlaneSums:
     return PlaneSums(
         np.zeros(bins, np.int64), np.zeros(bins, np.float32), np.zeros((3, bins), np.float32),
         np.zeros((3, bins), np.float32), np.zeros(3), np.zeros(bins, np.float32), np.zeros((REGIONS, 3)),
-        np.zeros((REGIONS, 2), np.int64), np.zeros(NODES), np.zeros((REGIONS, 5)), np.zeros(3, np.int64),
-        np.zeros(2, np.int64),
+        np.zeros((REGIONS, 2), np.int64), np.zeros(NODES), np.zeros(NODES + 1), np.zeros((REGIONS, 5)),
+        np.zeros(3, np.int64), np.zeros(2, np.int64),
     )  # fmt: skip
 
 
@@ -105,8 +106,7 @@ def weigh_plane(sums, arrays, height, sector, weights):
 @kernel_uncounted
 def share_planes(sums, weights):
     """Turn the weights of all planes, (planes, NODES + 1), into their shares, and divide the scale by their sum."""
-    planes, edges, scale = weights.shape[0], sums.edges, sums.scale
-    whole = sums.density[0]  # not in use yet
+    planes, edges, scale, whole = weights.shape[0], sums.edges, sums.scale, sums.weights
     for n in range(NODES + 1):
         total = 0.0
         for k in range(planes):
