@@ -113,7 +113,7 @@ def _place_beside(line: QRect, size: QSize, plot: QRect) -> QRect:
     box = QRect(QPoint(), size)
     for x, y in ((across, 0), (-across, 0), (0, down), (0, -down)):
         box.moveCenter(line.center() + QPoint(x, y))
-        # Along the line it may shift, as far as the plot goes.
+        # The box may be moved along the line, within the plot.
         box.moveLeft(box.left() if x else max(min(box.left(), room.right() + 1 - box.width()), room.left()))
         box.moveTop(max(min(box.top(), room.bottom() + 1 - box.height()), room.top()) if x else box.top())
         if room.contains(box):

@@ -31,7 +31,7 @@ from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
-EASE = 0.5, 25  # s, of the way of the camera to another place about the fish, and ms between its steps
+EASE = 0.5, 25  # how long the camera takes to a new place, s, and the time between its steps, ms
 CLOSE = 0.4  # distance of the camera from the subject of a lesson, as a share of that behind the fish
 VIEW_ANGLE = 54.0
 FISH = 0.11  # length over the height of the view at its distance: it shows at any zoom

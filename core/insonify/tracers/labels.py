@@ -75,14 +75,7 @@ def trace_labels(
 
     by_rays, clear = np.flatnonzero(folded), np.flatnonzero(~folded)
     if by_rays.size > 0:
-        bare = without_targets(arrays)
-
-        def follow_rays(part: Poses, first: int, last: int) -> None:
-            out = LabelledPings(labels, energy, traced, missed, by_rays[first:last])
-            label_refracted_pings(arrays, bare, part, rays, described, empty_contributions(arrays), out)
-
-        share_blocks(take_poses(poses, by_rays), follow_rays, threads)
-        energy[by_rays] *= FIXED_POINT  # rays count in plain units
+        _follow_rays(arrays, poses, rays, described, LabelledPings(labels, energy, traced, missed, by_rays), threads)
         if echoes is not None:
             echoes[by_rays] = trace_some(by_rays)
     laid, image_laid = lay_planes_of_images(arrays, take_poses(poses, clear), planes[clear], across[clear])
@@ -101,6 +94,20 @@ def trace_labels(
     share_blocks(take_poses(poses, clear), sweep, threads, pings_a_thread(laid))
     turn_into_degrees(labels.incidence)
     return _label_beside(labels, energy, arrays.range_factor, crosstalk, volumes)
+
+
+def _follow_rays(
+    arrays: SceneArrays, poses: Poses, rays: int, described: Contributors, out: LabelledPings, threads: int | None
+) -> None:
+    """Label pings that several rays reach, or none, by rays."""
+    bare, places = without_targets(arrays), out.places
+
+    def follow(part: Poses, first: int, last: int) -> None:
+        own = out._replace(places=places[first:last])
+        label_refracted_pings(arrays, bare, part, rays, described, empty_contributions(arrays), own)
+
+    share_blocks(take_poses(poses, places), follow, threads)
+    out.energy[places] *= FIXED_POINT  # rays count in plain units
 
 
 def _label_beside(

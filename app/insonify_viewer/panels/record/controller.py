@@ -29,7 +29,7 @@ from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark, mark_of
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
-ERRORS_OF, FULL = 64, 3.0  # pings whose bins' errors are shown, and tolerances that are drawn in full colour
+ERRORS_OF, FULL = 64, 3.0  # number of pings with errors drawn bin by bin; error, in tolerances, drawn in full colour
 OFTEN = 0.25  # s between two histograms of a record that grows
 ABOVE = 4  # a contact is shown this part of the screen below its edge
 

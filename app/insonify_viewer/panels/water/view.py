@@ -55,7 +55,7 @@ class WaterView(QWidget):
         row.addWidget(self.rays, 9)
 
     def show_points(self, points: Points) -> None:
-        """Show the points of the present profile, whose rays may still be traced; depth and speed each."""
+        """Show the points of the present profile, depth and speed; its rays may still be under way."""
         self.profile.show_points(points)
 
     def show_diagram(self, diagram: RayDiagram) -> None:

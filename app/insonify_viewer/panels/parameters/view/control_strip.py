@@ -108,7 +108,7 @@ class ControlStrip(QWidget):
 
 
 def _width(row: NumberRow | ChoiceRow, metrics: QFontMetrics) -> int:
-    """Width of a field whose name and value are whole."""
+    """Width that a field needs to show its whole name and value."""
     name = metrics.horizontalAdvance(row.label.text()) + FRAME
     if isinstance(row, NumberRow):
         return name + metrics.horizontalAdvance(LONGEST) + FRAME

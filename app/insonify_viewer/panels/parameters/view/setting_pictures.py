@@ -179,7 +179,7 @@ class SpectrumPicture(SettingPicture):
 
 
 class SpectrumPlot(Plot):
-    """Spectrum of the relief, whose peaks are dragged."""
+    """Spectrum of the relief; its peaks can be dragged."""
 
     def __init__(self, picture: SpectrumPicture) -> None:
         tip = "Drag a peak to shape the bed: its direction is that of the waves, farther out they are shorter"
