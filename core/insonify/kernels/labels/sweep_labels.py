@@ -12,21 +12,12 @@ from numpy.typing import NDArray
 
 from insonify.compiler.jit import kernel, kernel_uncounted
 from insonify.kernels.common.contributors import contributor_row
-from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins, accumulate_bins
+from insonify.kernels.common.range_bins import FIXED_POINT, RangeBins
 from insonify.kernels.multipath.surface_multipath import add_multipath, empty_shares_of_images
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.bed_stretches import NO_TARGET
-from insonify.kernels.sweep.plane_errors import add_plane, finish_side, square_record
 from insonify.kernels.sweep.stretches import StretchSink
-from insonify.kernels.sweep.sweep import (
-    aim_plane,
-    begin_measured,
-    can_measure,
-    planes_of,
-    reach_in_bins,
-    shares_planes,
-    sweep_plane,
-)
+from insonify.kernels.sweep.sweep import sweep_side
 
 NO_MATERIAL = NO_PATH = -1
 
@@ -98,29 +89,14 @@ def label_swept_pings(arrays, poses, laid, image_laid, apparent, contributors, w
     """
     bins, contributions = RangeBins(np.zeros(arrays.bins + 2, np.int64), arrays.range_decay), workspace.contributions
     by_surface, materials = np.zeros(arrays.bins, np.float32), arrays.reflectivity.shape[0]
-    shares, factor = empty_shares_of_images(laid, image_laid), arrays.range_factor
-    no_bins = np.zeros(0, np.float32)
+    shares, no_bins = empty_shares_of_images(laid, image_laid), np.zeros(0, np.float32)
     for ping in range(poses.x.size):
-        grid, fan = prepare_table(apparent, poses.z[ping], workspace.table), planes_of(laid, ping)
-        is_measured = can_measure(fan, out.errors)
+        grid, place = prepare_table(apparent, poses.z[ping], workspace.table), out.places[ping]
         for side in range(2):
-            place = out.places[ping]
-            intensity = out.traced[place, side]
-            missed = out.errors[place : place + 1, side]
-            if is_measured:
-                begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
-            for k in range(fan.azimuth.size):
-                plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-                if is_measured:
-                    end = reach_in_bins(arrays, plane.z, reach)
-                    add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
-            if is_measured:
-                missed[0] = 0.0
-                finish_side(sums, factor, intensity, missed[0], no_bins)
-                square_record(sums, factor, intensity, missed[0])
-            else:
-                accumulate_bins(bins, factor, intensity)
+            intensity, missed = out.traced[place, side], out.errors[place : place + 1, side]
+            sweep_side(
+                arrays, poses, ping, side, laid, grid, workspace, bins, sums, shares, intensity, missed, no_bins,
+            )  # fmt: skip
             if arrays.multipath.enabled:
                 sink = StretchSink(bins, contributions, True)
                 add_multipath(

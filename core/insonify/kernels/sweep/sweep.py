@@ -199,23 +199,34 @@ def sweep_pings(arrays, poses, laid, apparent, workspace, sums, out, errors, bin
 def _sweep_all(arrays, poses, laid, apparent, workspace, bins, sums, shares, out, errors, bin_errors):
     """Sweep every plane of every ping, without counting references."""
     for ping in range(poses.x.size):
-        grid, fan = prepare_table(apparent, poses.z[ping], workspace.table), planes_of(laid, ping)
-        is_measured = can_measure(fan, errors)
+        grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
-            if is_measured:
-                begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
-            for k in range(fan.azimuth.size):
-                plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
-                if is_measured:
-                    end = reach_in_bins(arrays, plane.z, reach)
-                    add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
-            if is_measured:
-                errors[ping, side] = 0.0
-                finish_side(sums, arrays.range_factor, out[ping, side], errors[ping, side], bin_errors[ping, side])
-                square_record(sums, arrays.range_factor, out[ping, side], errors[ping, side])
-            else:
-                accumulate_bins(bins, arrays.range_factor, out[ping, side])
+            missed = errors[ping : ping + 1, side]
+            sweep_side(
+                arrays, poses, ping, side, laid, grid, workspace, bins, sums, shares, out[ping, side], missed,
+                bin_errors[ping, side],
+            )  # fmt: skip
+
+
+@inlined_uncounted
+def sweep_side(arrays, poses, ping, side, laid, grid, workspace, bins, sums, shares, intensity, missed, bin_errors):
+    """Sweep the planes of one side of one ping; ``missed`` has a row if errors are estimated."""
+    fan = planes_of(laid, ping)
+    is_measured = can_measure(fan, missed)
+    if is_measured:
+        begin_measured(arrays, poses, ping, side, fan, shares_planes(laid, ping), sums, shares)
+    for k in range(fan.azimuth.size):
+        plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
+        sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
+        if is_measured:
+            end = reach_in_bins(arrays, plane.z, reach)
+            add_plane(sums, bins, shares[k], end, fan.azimuth[k], fan.apart[k])
+    if is_measured:
+        missed[0] = 0.0
+        finish_side(sums, arrays.range_factor, intensity, missed[0], bin_errors)
+        square_record(sums, arrays.range_factor, intensity, missed[0])
+    else:
+        accumulate_bins(bins, arrays.range_factor, intensity)
 
 
 @inlined_before_typing
