@@ -156,7 +156,7 @@ class Simulation(PackedScene):
 
         Where planes give no estimate it is the error that the plan has measured; NaN in a plan that measured nothing.
         """
-        by_planes = np.hypot(self._trust * errors_of_sides(squares), self.plan.left_out)
+        by_planes = np.hypot(errors_of_sides(squares), self.plan.left_out)
         return np.where(_are_estimates(squares), by_planes, self._measured_error).astype(np.float32)
 
     def bin_errors(self, traced: TracedPings) -> Singles:
@@ -164,7 +164,7 @@ class Simulation(PackedScene):
 
         Over the echo of a level bed, their squares add up to that of the error of a side by planes.
         """
-        by_planes = np.hypot(self._trust * traced.bin_errors, self.plan.left_out * traced.echoes)
+        by_planes = np.hypot(traced.bin_errors, self.plan.left_out * traced.echoes)
         is_estimate = _are_estimates(traced.squares)[..., None]
         errors = np.where(is_estimate, by_planes, self._measured_error * traced.echoes)
         return np.asarray(errors * self.reception.gain, np.float32)
@@ -175,11 +175,6 @@ class Simulation(PackedScene):
             method = "coherent speckle" if self.plan.method == "sweep" else f"the method {self.plan.method!r}"
             remedy = "leave it out" if self.plan.method == "sweep" else "leave it out or use the method 'sweep'"
             raise SceneError(f"bin_error: {method} gives no estimate of the error of bins; {remedy}")
-
-    @property
-    def _trust(self) -> float:
-        """Error of planes over what they estimate."""
-        return 1.0 if self.plan.goal is None else self.plan.goal.trust
 
     @property
     def _measured_error(self) -> float:
@@ -217,6 +212,8 @@ class Simulation(PackedScene):
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
         settings: dict[str, Any] = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
         settings["crosstalk"], first = 0.0 if crosstalk is None else crosstalk.share, settings.get("planes", 16)
+        goal = self.plan.goal if self.estimates_errors else None
+        settings |= {} if goal is None else {"trust": goal.trust}
 
         def label_tile(tile: SceneArrays, some: Poses, counts: Integers) -> tuple[Any, ...]:
             volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
@@ -230,7 +227,6 @@ class Simulation(PackedScene):
             return found
 
         with limited_threads(self.threads):
-            goal = self.plan.goal if self.estimates_errors else None
             (*labels, echoes, squares), planes = trace_until(goal, first, poses.x.size, label_some)
         return RecordLabels(*labels), TracedPings(echoes, squares, planes, empty_bin_errors(poses.x.size))
 
