@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from commands import refused
+from insonify.errors import FileWarning
 from insonify.io.records import read_record
 from xtf_files import amplitudes
 
@@ -142,6 +143,16 @@ def test_a_broken_log_is_one_sentence(tmp_path, capsys, name):
     lone.parent.mkdir()
     lone.write_bytes(b"1")
     assert "lacks R7.DAT beside its folder; copy the whole log" in refused(capsys, "render", str(lone), "-o", "a.png")
+
+
+def test_a_cut_log_keeps_its_whole_pings_and_warns(tmp_path):
+    pytest.importorskip("pingverter")
+    path = LOGS["sl2"](tmp_path)
+    path.write_bytes(path.read_bytes()[:-10])
+    with pytest.warns(FileWarning, match="ends within the packet at byte .*; the whole pings before are read"):
+        record = read_record(path)
+    assert record.sizes["ping_time"] == PINGS - 1
+    np.testing.assert_array_equal(amplitudes(record), ECHOES[:, :-1])
 
 
 def test_without_the_library_the_extra_is_named(tmp_path, capsys, monkeypatch):

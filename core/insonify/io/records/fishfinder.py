@@ -17,6 +17,7 @@ from insonify.io.records import recording
 
 CONVERTERS = {".sl2": "low2pingmapper", ".sl3": "low2pingmapper", ".rsd": "gar2pingmapper", ".dat": "hum2pingmapper"}
 FAR_FIRST = (".sl2", ".sl3")  # logs whose samples to port are stored from far to near
+FARTHEST = 1e4  # m
 BEAMS = ("B002", "B003")  # port and starboard
 NUMBERS = ("time_s", "lon", "lat", "instr_heading", "inst_dep_m", "min_range", "max_range", "f")
 PLACES = ("index", "son_offset", "ping_cnt")  # of a ping: its byte in the file, bytes before its samples, samples
@@ -39,28 +40,32 @@ def read_fishfinder(path: str | Path) -> Dataset:
         raise FileFault("is a log of a fishfinder", 'install its reader: pip install "insonify[fishfinder]"') from None
     log = _log_of(Path(path))
     headers: tuple[_SideHeaders, ...] = run_isolated(read_headers, str(log))
-    kind, far_first = "<u2" if log.suffix.lower() == ".rsd" else "u1", log.suffix.lower() in FAR_FIRST
-    rows = [(row, ping) for row, side in enumerate(headers) for ping in range(side.numbers["time_s"].size)]
-    times = np.array([headers[row].numbers["time_s"][ping] for row, ping in rows])
-    order = np.argsort(times, kind="stable")
+    suffix = log.suffix.lower()
+    kind = "<u2" if suffix == ".rsd" else "u1"
+    columns = {name: np.concatenate([side.numbers[name] for side in headers]) for name in (*NUMBERS, *PLACES)}
+    rows = np.repeat((0, 1), [side.numbers["index"].size for side in headers])
+    # What a cut log lacks, and what a damaged header places beyond its end.
+    begins = columns["index"] + columns["son_offset"]
+    sizes = np.array([os.path.getsize(side.file) for side in headers])[rows]
+    whole = begins + np.dtype(kind).itemsize * columns["ping_cnt"] <= sizes
+    order = np.argsort(columns["time_s"], kind="stable")
+    order = order[whole[order]]
+    if not whole.all():
+        recording.warn_of_cut(log, int(np.nanmin(columns["index"][~whole])), order.size)
+    columns = {name: column[order] for name, column in columns.items()}
+    near, reach, counts = np.nan_to_num(columns["min_range"]), columns["max_range"], columns["ping_cnt"]
+    if not ((counts > 0.0) & (near >= 0.0) & (near < reach) & (reach < FARTHEST)).all():
+        raise FileFault("has pings without a range", REMEDY)
     formats: dict[recording.SideFormat, int] = {}
     index = recording.EchoIndex()
-    for row, ping in (rows[each] for each in order):
-        each = {name: column[ping] for name, column in headers[row].numbers.items()}
-        count, near, reach = int(each["ping_cnt"]), np.nan_to_num(each["min_range"]), each["max_range"]
-        if not (count > 0 and 0.0 <= near < reach < 1e4):
-            raise FileFault(f"has no range of ping {ping}", REMEDY)
-        form = recording.SideFormat(kind, 1, count, round(near / (reach - near) * count), far_first and row == 0, 1.0)
-        place = int(each["index"] + each["son_offset"])
-        index.add({row: recording.Side(place, formats.setdefault(form, len(formats)), reach)})
-    stamps = np.rint(1e3 * times[order]).astype(np.int64)
-    begins, sides = recording.join_sides(index.columns(), np.zeros_like(stamps), stamps)
-    columns = {
-        name: np.array([headers[row].numbers[name][ping] for row, ping in (rows[each] for each in order[begins])])
-        for name in NUMBERS
-    }
-    first = min(headers, key=lambda side: side.start)
-    track = _track(log, columns, first.start)
+    silent = np.rint(near / (reach - near) * counts)
+    for row, at, count, before, end in zip(rows[order], begins[order], counts, silent, reach):
+        far_first = row == 0 and suffix in FAR_FIRST
+        form = recording.SideFormat(kind, 1, int(count), int(before), bool(far_first), 1.0)
+        index.add({int(row): recording.Side(int(at), formats.setdefault(form, len(formats)), float(end))})
+    stamps = np.rint(1e3 * columns["time_s"]).astype(np.int64)
+    kept, sides = recording.join_sides(index.columns(), np.zeros_like(stamps), stamps)
+    track = _track(log, {name: column[kept] for name, column in columns.items()}, min(side.start for side in headers))
     files = tuple(Path(side.file) for side in headers)
     return recording.assemble(log, formats, sides, track, recording.DEFAULT_SPEED, files)
 
