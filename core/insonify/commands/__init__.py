@@ -27,5 +27,6 @@ OWN = {
     "stability": "measure known numerical failures and their cures, as a page (.html)",
     "survey": "simulate a survey of many lines by its specification",
     "targets": "list the library of targets",
+    "tow": "tow over a scene in real time, for survey programs: JSF, XTF, NMEA 0183, MCAP, JSON",
 }
 OF_VIEWER = {"view": "open the viewer", "movie": "draw a tow as a moving picture: .webp, .gif, .mp4"}

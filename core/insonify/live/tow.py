@@ -1,0 +1,280 @@
+"""A tow in real time: each ping is traced one ahead, sent when it is due, and steered from outside in between."""
+
+import gc
+import math
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import numpy as np
+
+from insonify.acoustics.water import recording_speed
+from insonify.arrays import Floats, Integers, Singles
+from insonify.errors import SceneError
+from insonify.io.georeference import Georeference, convergence, to_degrees
+from insonify.io.record_schema import PLATFORM
+from insonify.io.records.survey_log import NOWHERE, LoggedPing
+from insonify.kernels.common.types import Poses
+from insonify.live.helm import Helm
+from insonify.live.outputs import Output
+from insonify.live.pacer import Pacer
+from insonify.live.ping import LivePing
+from insonify.scene import Scene, edit
+from insonify.simulation import Simulation, prepare
+from insonify.tow.line import TowLine, tow_line_at
+from insonify.tow.poses import make_poses, platform_columns
+
+MOST_FISH = 16
+OWN_NOISE = 2**24  # pings between those of two fish, whose noise is that of pings so many later in the record
+LINE_FIELDS = ("track", "sonar.ping_rate")  # that place pings: a tow under way keeps them
+SWITCHING = 5e-4  # s, after which a thread that encodes lets the one that sends go first
+POSE = ("x", "y", "depth", "altitude", "heading", "pitch", "roll")
+HELM = {"turn": (-90.0, 90.0), "speed": (0.0, 50.0)}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SteeredSimulation(Simulation):
+    """A simulation whose track is that of a helm."""
+
+    helm: Helm
+
+    def poses(self, pings: Integers) -> Poses:
+        """Return position and attitude of the sonar at the given pings."""
+        return make_poses(self.scene, self.ground, pings, self.helm.line(pings))
+
+    def line(self, pings: Integers) -> TowLine:
+        """Return positions and headings along the line of the tow, without the motion of the fish about it."""
+        return self.helm.line(pings)
+
+
+def steer_by(simulation: Simulation, helm: Helm) -> SteeredSimulation:
+    """Return a simulation whose track is that of a helm."""
+    parts = {name: getattr(simulation, name) for name in simulation.__dataclass_fields__}
+    return SteeredSimulation(**parts, helm=helm)
+
+
+class Tow:
+    """A scene towed over in real time by one fish, or by several abeam of one another.
+
+    Parameters
+    ----------
+    scene : Scene
+        What there is. Ping n of the first fish is ping n of its record, until it is steered.
+    fish : int
+        Number of towfish, up to 16.
+    apart : float
+        Distance between neighbours in metres; each is to starboard of the one before.
+    times : float
+        Seconds of the tow in a second.
+    start : datetime, optional
+        Time of the first ping, in UTC; now when left out.
+    **how
+        Arguments of `insonify.prepare`.
+
+    Attributes
+    ----------
+    helm : Helm or None
+        What steers; None on the scene's own track.
+    number : int
+        The next ping.
+    on_earth : bool
+        Whether the scene has a place; else it is in the sea north of Mallorca, until it is put elsewhere.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        fish: int = 1,
+        apart: float = 0.0,
+        times: float = 1.0,
+        start: datetime | None = None,
+        **how: Any,
+    ) -> None:
+        if not 1 <= fish <= MOST_FISH:
+            raise SceneError(f"fish: {fish} is out of bounds; give 1 to {MOST_FISH}")
+        self.fish, self.apart, self.times, self.number = fish, apart, times, 0
+        self.helm: Helm | None = None
+        self.start = start or datetime.now(UTC).replace(tzinfo=None)
+        given = scene.georeference
+        self.on_earth = given is not None and bool(given.crs)
+        self.put_on_earth(given if given is not None and given.crs else NOWHERE)
+        self._how = how
+        self.simulation = prepare(scene, **how)
+        self._last: Poses | None = None
+        self._running = threading.Event()
+        self._running.set()
+        self._ended = False
+        self.pacer: Pacer | None = None
+
+    def put_on_earth(self, place: Georeference) -> None:
+        """Put the scene's own x and y on a map."""
+        self.place, self._convergence = place, convergence(place)
+
+    def direction(self, bearing: float) -> float:
+        """Direction in radians, counter-clockwise from +x, of a bearing in degrees from true north."""
+        return math.radians(90.0 - bearing + self._convergence)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, with what was changed under way."""
+        return self.simulation.scene
+
+    def poses(self, ping: int) -> Poses:
+        """Return the poses of all fish at a ping."""
+        numbers = np.full(self.fish, ping)
+        if self.helm is None and self.fish == 1:
+            return self.simulation.poses(numbers)
+        if self.helm is not None:
+            self.helm.advance(ping)
+        line = tow_line_at(self.scene, numbers) if self.helm is None else self.helm.line(numbers)
+        aside = self.apart * np.arange(self.fish)
+        beside = TowLine(line.x + aside * np.sin(line.heading), line.y - aside * np.cos(line.heading), line.heading)
+        return make_poses(self.scene, self.simulation.ground, numbers, beside)
+
+    def trace(self, ping: int) -> list[LivePing]:
+        """Trace a ping of every fish."""
+        poses, simulation = self.poses(ping), self.simulation
+        numbers = ping + OWN_NOISE * np.arange(self.fish)
+        found = self._describe(ping, poses, simulation.record(numbers, poses), self._last)
+        self._last = poses
+        return found
+
+    def ping(self, pose: Mapping[str, float], number: int = 0) -> LivePing:
+        """Trace one ping at any pose, beside those of the tow.
+
+        Parameters
+        ----------
+        pose : mapping
+            ``x``, ``y``, ``depth`` or ``altitude``, ``heading`` (counter-clockwise from +x), ``pitch``, ``roll`` in
+            metres and degrees; those left out are 0, and the height is the track's.
+        number : int
+            Its number, from which its noise derives.
+        """
+        if strange := [name for name in pose if name not in POSE]:
+            raise SceneError(f"{strange[0]}: is not part of a pose; give {', '.join(POSE)}")
+        if {"depth", "altitude"} <= pose.keys():
+            raise SceneError("altitude: has no effect beside depth; give one of the two")
+        values = {name: _number(name, value) for name, value in pose.items()}
+        x, y, *angles = (np.array([values.get(name, 0.0)]) for name in ("x", "y", "heading", "pitch", "roll"))
+        ground, heading = self.simulation.ground, np.radians(angles[0])
+        if "depth" in values:
+            z = np.array([-values["depth"]]) - ground.datum
+        elif "altitude" in values:
+            z = ground.height_near(x, y) + values["altitude"]
+        else:
+            z = make_poses(self.scene, ground, np.array([number]), TowLine(x, y, heading)).z
+        poses = Poses(x, y, z, heading, *map(np.radians, angles[1:]))
+        return self._describe(number, poses, self.simulation.record(np.array([number]), poses), None)[0]
+
+    def set(self, changes: Mapping[str, Any]) -> None:
+        """Change fields of the scene by their paths; the tow goes on meanwhile, and pings after that show it."""
+        fixed = next((path for path in changes for field in LINE_FIELDS if f"{path}.".startswith(f"{field}.")), None)
+        if fixed is not None and not fixed.startswith(("track.altitude", "track.depth")):
+            raise SceneError(f"{fixed}: places the pings and stays as it is during a tow; steer it instead")
+        self.simulation = prepare(edit(self.scene, dict(changes)), **self._how)
+
+    def steer(self, changes: Mapping[str, float]) -> None:
+        """Turn (``turn``, °/s to port), change the ``speed`` (m/s), or move to ``x``, ``y`` with a ``heading``."""
+        place = ("x", "y", "heading")
+        if strange := [name for name in changes if name not in (*HELM, *place)]:
+            raise SceneError(f"{strange[0]}: is no way to steer; give {', '.join((*HELM, *place))}")
+        values = {name: _number(name, value) for name, value in changes.items()}
+        for name, (low, high) in HELM.items():
+            if not low <= values.get(name, low) <= high:
+                raise SceneError(f"{name}: {values[name]:g} is out of bounds; give {low:g} to {high:g}")
+        helm = self.helm or Helm(self.scene, self.number)
+        if any(name in values for name in place):
+            at = helm.line(np.array([helm.newest]))
+            known = dict(zip(place, (float(at.x[0]), float(at.y[0]), math.degrees(at.heading[0])))) | values
+            helm.put(known["x"], known["y"], math.radians(known["heading"]))
+        for name in HELM:
+            if name in values:
+                setattr(helm, name, values[name])
+        self.helm = helm
+
+    def pause(self, paused: bool = True) -> None:
+        """Pause, or go on with the next ping."""
+        (self._running.clear if paused else self._running.set)()
+
+    def stop(self) -> None:
+        """End with the ping that is next."""
+        self._ended = True
+        self._running.set()
+
+    def run(
+        self, outputs: Sequence[Output], pings: int | None = None, look: Callable[[int], object] = lambda _: None
+    ) -> Pacer:
+        """Send pings when they are due, some or without an end, and call ``look`` with the number of each.
+
+        Returns
+        -------
+        Pacer
+            How late the pings were.
+        """
+        last = math.inf if pings is None else self.number + pings
+        waiting = self.trace(self.number)
+        gc.collect()
+        gc.freeze()  # what is prepared is not looked through again while pings are due
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCHING)
+        self.pacer = pacer = Pacer(self.scene.sonar.ping_rate * self.times, skips=self.times <= 1.0)
+        try:
+            while self.number < last and not self._ended:
+                if not self._running.is_set():
+                    self._running.wait()
+                    pacer.restart(self.number)
+                    continue
+                due = pacer.wait(self.number)
+                if due != self.number:
+                    self.number, waiting = due, self.trace(due)
+                for live in waiting:
+                    for output in outputs:
+                        output.offer(live)
+                look(self.number)
+                self.number += 1
+                if self.number < last:
+                    waiting = self.trace(self.number)
+        finally:
+            sys.setswitchinterval(interval)
+            gc.unfreeze()
+        return pacer
+
+    def _describe(self, number: int, poses: Poses, intensity: Singles, before: Poses | None) -> list[LivePing]:
+        """Pings with their headers; speed and course are those since the poses before."""
+        scene, ground, rate = self.scene, self.simulation.ground, self.scene.sonar.ping_rate
+        columns = dict(zip(PLATFORM, platform_columns(poses, ground)))
+        x, y = columns["platform_x"], columns["platform_y"]
+        east, north = to_degrees(self.place, x, y)
+        if before is None or before.x.shape != x.shape:
+            ahead = scene.track.speed / rate
+            moved = ahead * np.cos(poses.heading), ahead * np.sin(poses.heading)
+        else:
+            moved = x - before.x, y - before.y
+        heading = self._bearing(columns["platform_heading"])
+        course = self._bearing(np.degrees(np.arctan2(moved[1], moved[0])))
+        time = self.start + timedelta(seconds=number / rate)
+        reach = scene.sonar.range
+        shared = reach, 2.0 * reach / recording_speed(scene, ground.datum), scene.sonar.frequency
+        names = ("platform_pitch", "platform_roll", "platform_depth", "platform_altitude")
+        rows = zip(east, north, heading, *(columns[name] for name in names), np.hypot(*moved) * rate)
+        found = []
+        for fish, row in enumerate(rows):
+            longitude, latitude, *rest = map(float, row)
+            header = LoggedPing(number, time, longitude, latitude, True, *rest, *shared)  # type: ignore[call-arg]
+            pose = {name: float(column[fish]) for name, column in columns.items()}
+            found.append(LivePing(fish, header, intensity[fish], float(course[fish]), pose))
+        return found
+
+    def _bearing(self, degrees: Floats) -> Floats:
+        """Bearing from true north, above 0 and up to 360, of a direction counter-clockwise from +x."""
+        return np.asarray(360.0 - np.mod(degrees - 90.0 - self._convergence, 360.0))
+
+
+def _number(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise SceneError(f"{name}: {value!r:.40} is not a number; give a plain number")
+    return float(value)
