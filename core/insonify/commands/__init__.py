@@ -11,6 +11,7 @@ OWN = {
     "chart": "measure speed against accuracy on this machine",
     "compare": "draw two records side by side, with histograms and spectra",
     "dataset": "make a labelled data set by its specification",
+    "exercise": "make an exercise of a survey with hidden targets, or mark what was found",
     "explain": "explain one pixel of a scene's record",
     "info": "describe measured casts and recorded navigation",
     "learn": "estimate a scene from a recording",

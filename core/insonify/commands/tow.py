@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from insonify.commands import options
+from insonify.io.sealed import SUFFIX
 from insonify.scene import SceneError
 
 FILES = {"xtf", "mcap"}
@@ -84,8 +85,10 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Tow until the pings are sent or the person ends it, and print what readers got."""
     # lazy: the other commands need none of it
+    from insonify.exercises.exercise import read_exercise
     from insonify.live.control import ControlServer, follow_ship, read_lines
     from insonify.live.formats import encode_jsf, write_growing_xtf, write_mcap
+    from insonify.live.helm import Helm
     from insonify.live.nmea import describe_ping, encode_nmea
     from insonify.live.outputs import Output, TcpServer, parse_address, send_datagrams
     from insonify.live.tow import Tow
@@ -109,6 +112,8 @@ def run(arguments: argparse.Namespace) -> None:
     with report_waiting():
         how = method | {"threads": arguments.threads}
         tow = Tow(scene, fish=arguments.fish, apart=arguments.apart, times=arguments.times, **how)
+    if Path(arguments.scene).suffix.lower() == SUFFIX:
+        tow.helm = Helm(scene, 0, read_exercise(arguments.scene).current)
     attributes = record_attributes(scene, tow.simulation.plan, **method) | tow.place.attributes()
     outputs: list[Output] = []
     for fish in range(tow.fish):
