@@ -48,6 +48,7 @@ def open_window(
     recording: str = "",
     pair: Arrangement | None = None,
     panel: str = "",
+    exercise: str = "",
 ) -> int:
     """Open the viewer, run it until it is closed, and return an exit code."""
     settings = Settings()
@@ -59,11 +60,11 @@ def open_window(
         keep_place(viewer)
         viewer.window.show()
         QTimer.singleShot(FRAMED, viewer.window.fit_screen)
-        _begin(viewer, pin, lesson, recording, pair, panel)
+        _begin(viewer, pin, lesson, recording, pair, panel, exercise)
         QTimer.singleShot(0, viewer.start)
         recovery = CrashRecovery(viewer.window, viewer.session, viewer.contacts, viewer.open)
         QTimer.singleShot(0, recovery.offer)
-        if not (settings.toured or pin or lesson or recording or pair or panel):
+        if not (settings.toured or pin or lesson or recording or pair or panel or exercise):
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
@@ -87,9 +88,17 @@ def keep_place(viewer: Viewer) -> None:
 
 
 def _begin(
-    viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None, panel: str
+    viewer: Viewer,
+    pin: Mark | None,
+    lesson: Lesson | None,
+    recording: str,
+    pair: Arrangement | None,
+    panel: str,
+    exercise: str,
 ) -> None:
-    """Pin a pixel, begin a lesson, open a recording, the partner of the scene and a panel, if they are given."""
+    """Pin a pixel, begin a lesson or an exercise, open a recording, the scene's partner and a panel, if given."""
+    if exercise:
+        viewer.files.open(exercise)
     viewer.inspection.pin(pin)
     if pin is not None:
         viewer.targets.handles.choose_at(pin)
@@ -122,6 +131,7 @@ def draw_window(
     recording: str = "",
     pair: Arrangement | None = None,
     panel: str = "",
+    exercise: str = "",
 ) -> None:
     """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters."""
     application = make_application()
@@ -131,7 +141,7 @@ def draw_window(
         viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
         viewer.window.show()
         viewer.tow.run(False)
-        _begin(viewer, pin, lesson, recording, pair, panel)
+        _begin(viewer, pin, lesson, recording, pair, panel, exercise)
         viewer.start()
         try:
             wait_for_picture(application, viewer)

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 from insonify.commands import options
 from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
+from insonify.io.sealed import SUFFIX
 from insonify.lessons.lesson import Lesson
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
 
 if TYPE_CHECKING:
@@ -93,7 +94,9 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
+    exercise = arguments.scene if arguments.scene.lower().endswith(SUFFIX) else ""
     lesson, scene = (None, options.chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
+    scene = edit(scene, {"targets": [], "volumes": []}) if exercise else scene  # all that its window shows
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     pair = _pairing(scene, arguments)
     reason = why_no_window()
@@ -102,13 +105,13 @@ def run(arguments: argparse.Namespace) -> int:
             # lazy: loads Qt, which no other command needs
             from insonify_viewer.application import open_window
 
-            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
+            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel), exercise)
     path = options.check_output(arguments.snapshot or options.free_name(options.FALLBACK), (".png",), "--snapshot")
     _leave_screen(reason)
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel))
+    draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel), exercise)
     if arguments.snapshot is None:
         sys.stderr.write(f"insonify: no window can be opened ({reason}); it was drawn into {path}\n")
         return options.NO_WINDOW

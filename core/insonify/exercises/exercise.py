@@ -93,6 +93,11 @@ class Exercise:
         """The scene as the student may see it: without what is to be found."""
         return edit(self.scene, {"targets": [], "volumes": []})
 
+    def hide_in(self, scene: Scene) -> Scene:
+        """Return a scene, such as the bare one with another range, with what is to be found."""
+        hidden = plain(self.scene)
+        return edit(scene, {name: hidden.get(name, []) for name in ("targets", "volumes")})
+
 
 def make_exercise(name: str, seed: int | None = None) -> dict[str, Any]:
     """Draw an exercise from a specification: the content of its file."""

@@ -10,6 +10,7 @@ from insonify.arrays import Integers, Reals
 from insonify.scene import Scene
 from insonify.tow.line import TowLine, tow_line_at
 
+BEFORE = 2048  # pings before the first that is steered, whose places on the track are kept
 KEPT = 2**17  # pings whose places are kept, to look back at: 3 MB
 
 
@@ -30,8 +31,8 @@ class Helm:
 
     def __init__(self, scene: Scene, ping: int = 0, current: tuple[float, float] = (0.0, 0.0)) -> None:
         self.turn, self.speed, self.current = 0.0, scene.track.speed, current
-        self._first, self._period = ping, 1.0 / scene.sonar.ping_rate
-        start = tow_line_at(scene, np.array([ping]))
+        self._first, self._period = max(ping - BEFORE, 0), 1.0 / scene.sonar.ping_rate
+        start = tow_line_at(scene, np.arange(max(ping - BEFORE, 0), ping + 1))
         self._columns = tuple(array("d", column) for column in start)
 
     @property

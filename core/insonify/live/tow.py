@@ -5,7 +5,7 @@ import math
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -40,6 +40,13 @@ class SteeredSimulation(Simulation):
     """A simulation whose track is that of a helm."""
 
     helm: Helm
+    hidden: Simulation | None = None  # of a scene with more in it, which is traced in place of this one
+
+    def trace_record(self, pings: Integers, poses: Poses | None = None) -> tuple[Singles, Singles]:
+        """Trace and receive pings, with what is hidden."""
+        if self.hidden is None:
+            return super().trace_record(pings, poses)
+        return self.hidden.trace_record(pings, self.poses(pings) if poses is None else poses)
 
     def poses(self, pings: Integers) -> Poses:
         """Return position and attitude of the sonar at the given pings."""
@@ -50,10 +57,11 @@ class SteeredSimulation(Simulation):
         return self.helm.line(pings)
 
 
-def steer_by(simulation: Simulation, helm: Helm) -> SteeredSimulation:
-    """Return a simulation whose track is that of a helm."""
-    parts = {name: getattr(simulation, name) for name in simulation.__dataclass_fields__}
-    return SteeredSimulation(**parts, helm=helm)
+def steer_by(simulation: Simulation, helm: Helm, hidden: Scene | None = None) -> SteeredSimulation:
+    """Return a simulation whose track is that of a helm, and whose record is that of a scene with more in it."""
+    parts = {field.name: getattr(simulation, field.name) for field in fields(Simulation)}
+    more = None if hidden is None else prepare(hidden, tolerance=simulation.tolerance)
+    return SteeredSimulation(**parts, helm=helm, hidden=more)
 
 
 class Tow:
