@@ -152,7 +152,7 @@ def _report(tow: Any, outputs: Any) -> None:
         options.say(f"{pacer.waited} pings of {tow.fish} fish: {late}, {pacer.missed} missed")
     for output in outputs:
         readers, sent, dropped = output.counts.values()
-        fault = f"; {output.error}" if output.error else ""
+        fault = "".join(f"; {each.error.strerror}" for each in output.readers if each.error and each.error.strerror)
         options.say(f"{output.name}: {readers} readers, {sent} pings sent, {dropped} dropped{fault}")
 
 

@@ -5,7 +5,7 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,34 +17,38 @@ from insonify.io.georeference import from_degrees, local_georeference
 from insonify.live.formats import as_json, encode_json
 from insonify.live.helm import ShipTow
 from insonify.live.nmea import FixReader
-from insonify.live.outputs import Reader, TcpServer, parse_address
+from insonify.live.outputs import Address, Reader, TcpServer, parse_address
 from insonify.live.tow import Tow
 
 LONGEST = 2**16  # bytes of a request
 DAY, AGAIN = 86_400.0, 1.0  # s, and s until a connection is tried again
 
 
-def obey(tow: Tow, request: Mapping[str, Any]) -> dict[str, Any]:
+def obey(tow: Tow, request: Any) -> dict[str, Any]:
     """Carry out a request of one key, and return the answer."""
-    done: dict[str, Callable[[Any], Any]] = {
-        "ping": lambda pose: as_json(tow.ping(*_pose(pose))),
+    known: dict[str, Callable[[Any], Any]] = {
+        "ping": lambda pose: as_json(tow.ping(pose, number)),
         "set": tow.set,
         "steer": tow.steer,
-        "pause": lambda paused: tow.pause(bool(paused)),
+        "pause": tow.pause,
         "stop": lambda _: tow.stop(),
     }
-    if not isinstance(request, Mapping) or len(request) != 1 or (name := next(iter(request))) not in done:
-        raise SceneError(f'a request has one key of {", ".join(done)} or stream; write for example {{"pause": true}}')
-    if name in ("set", "steer") and not isinstance(request[name], dict):
-        raise SceneError(f'{name}: write what changes, such as {{"{name}": {{"speed": 2.5}}}}')
-    answer: Any = done[name](request[name])
+    kinds = {"ping": dict, "set": dict, "steer": dict}
+    pairs: list[tuple[str, Any]] = list(request.items()) if isinstance(request, dict) else []
+    name, value = pairs[0] if len(pairs) == 1 else ("", None)
+    if name not in known or not isinstance(value, kinds.get(name, bool)):
+        raise SceneError(f'a request is one of {", ".join(known)} or stream with its value, such as {{"pause": true}}')
+    number = value.pop("number", 0) if name == "ping" else 0
+    if not isinstance(number, int) or not 0 <= number < 2**53:
+        raise SceneError(f"number: {number!r:.40} is not that of a ping; count from 0")
+    answer = known[name](value)
     return answer if isinstance(answer, dict) else {"done": name, "ping": tow.number}
 
 
 class ControlServer(TcpServer):
     """Takes requests by TCP, one line of JSON each, and answers each with one; ``stream`` asks for all pings."""
 
-    def __init__(self, address: tuple[str, int], tow: Tow) -> None:
+    def __init__(self, address: Address, tow: Tow) -> None:
         self._tow = tow
         super().__init__("control", address, None, encode_json)
 
@@ -53,7 +57,7 @@ class ControlServer(TcpServer):
         threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
 
     def _listen(self, connection: socket.socket) -> None:
-        lock = threading.Lock()
+        lock = threading.Lock()  # answers do not fall into pings
 
         def send(answer: bytes) -> None:
             with lock:
@@ -74,22 +78,14 @@ class ControlServer(TcpServer):
                     answer = {"error": 'this is not a line of JSON; write for example {"pause": true}'}
                 send(json.dumps(answer).encode("ascii") + b"\n")
         if stream is not None:
-            stream.close(0.0)
+            stream.error = OSError("has left")
         connection.close()
 
 
-def _pose(pose: Any) -> tuple[dict[str, float], int]:
-    number = pose.get("number", 0) if isinstance(pose, dict) else None
-    if not isinstance(number, int) or number < 0:
-        raise SceneError('ping: write a pose, such as {"x": 0, "y": 0, "altitude": 10, "heading": 0, "number": 0}')
-    return {name: value for name, value in pose.items() if name != "number"}, number
-
-
-def follow_ship(tow: Tow, lines: Iterator[str], layback: float, lag: float) -> ShipTow:
+def follow_ship(tow: Tow, lines: Iterator[str], layback: float, lag: float) -> None:
     """Tow behind a ship by lines of its sentences, which are read on a thread of their own."""
     helm = tow.helm = ShipTow(tow.scene, layback, lag)
     threading.Thread(target=_feed, args=(tow, helm, lines), daemon=True).start()
-    return helm
 
 
 def _feed(tow: Tow, helm: ShipTow, lines: Iterator[str]) -> None:
@@ -106,17 +102,21 @@ def _feed(tow: Tow, helm: ShipTow, lines: Iterator[str]) -> None:
             course, speed = tow.direction(fix.course), fix.speed
         elif before is not None and (passed := (fix.time - before[2]) % DAY) > 0.0:
             course, speed = math.atan2(y - before[1], x - before[0]), math.dist((x, y), before[:2]) / passed
-        known = before is not None or not math.isnan(fix.course)  # one place alone has no course
-        before = x, y, fix.time
-        if known:
+        if before is not None or not math.isnan(fix.course):  # one place alone has no course
             helm.take_fix(x, y, course, speed, course if math.isnan(fix.heading) else tow.direction(fix.heading))
+        before = x, y, fix.time
 
 
 def read_lines(source: str, times: float = 1.0) -> Iterator[str]:
     """Lines of sentences from ``udp:PORT``, ``tcp:HOST:PORT``, or a log, which is replayed at its own times."""
     kind, _, rest = source.partition(":")
     if kind == "udp":
-        return _received(parse_address(rest, source))
+        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            receiver.bind(parse_address(rest, source))
+        except OSError as error:
+            raise SceneError(f"--ship {source}: {error.strerror}; choose another port") from None
+        return (line for _ in iter(int, 1) for line in receiver.recv(LONGEST).decode("latin-1").splitlines())
     if kind == "tcp":
         return _connected(parse_address(rest, source))
     if not Path(source).is_file():
@@ -124,34 +124,19 @@ def read_lines(source: str, times: float = 1.0) -> Iterator[str]:
     return _replayed(Path(source), times)
 
 
-def _received(address: tuple[str, int]) -> Iterator[str]:
-    """Lines of datagrams."""
-    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        receiver.bind(address)
-    except OSError as error:
-        raise SceneError(f"--ship udp:{address[1]}: {error.strerror}; choose another port") from None
-
-    def lines() -> Iterator[str]:
-        while True:
-            yield from receiver.recv(LONGEST).decode("ascii", errors="replace").splitlines()
-
-    return lines()
-
-
-def _connected(address: tuple[str, int]) -> Iterator[str]:
+def _connected(address: Address) -> Iterator[str]:
     """Lines from a server, to which the connection is made again whenever it breaks."""
     while True:
         with suppress(OSError), socket.create_connection(address, AGAIN) as connection:
             connection.settimeout(None)
-            yield from connection.makefile(encoding="ascii", errors="replace")
+            yield from connection.makefile(encoding="latin-1")
         time.sleep(AGAIN)
 
 
 def _replayed(path: Path, times: float) -> Iterator[str]:
     """Lines of a log, each fix when it is due by its time of day."""
     reader, begun, first = FixReader(), time.monotonic(), None
-    with path.open(encoding="ascii", errors="replace") as file:
+    with path.open(encoding="latin-1") as file:
         for line in file:
             if (fix := reader.read(line)) is not None:
                 first = fix.time if first is None else first

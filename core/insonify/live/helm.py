@@ -17,16 +17,8 @@ KEPT = 2**17  # pings whose places are kept, to look back at: 3 MB
 class Helm:
     """Line of a tow that turns, speeds up and drifts while it is under way; the pings sent so far stay where they are.
 
-    Attributes
-    ----------
-    turn : float
-        Rate of turn in degrees per second, to port.
-    speed : float
-        Speed through the water in m/s.
-    current : (float, float)
-        Drift of the water along x and y in m/s.
-    newest : int
-        The last ping that has its place.
+    ``turn`` is in degrees per second to port, ``speed`` in m/s through the water, which drifts by the ``current``, m/s
+    along x and y.
     """
 
     def __init__(self, scene: Scene, ping: int = 0, current: tuple[float, float] = (0.0, 0.0)) -> None:
@@ -94,11 +86,6 @@ class ShipTow(Helm):
                 self.put(x - astern * math.cos(heading), y - astern * math.sin(heading), heading)
                 self._pull = x - self._lag * speed * math.cos(course), y - self._lag * speed * math.sin(course)
             self._fix, self._age = (x, y, speed * math.cos(course), speed * math.sin(course)), 0.0
-
-    @property
-    def under_way(self) -> bool:
-        """Whether a fix has arrived."""
-        return self._fix is not None
 
     def _next(self, x: float, y: float, heading: float) -> tuple[float, float, float]:
         """Place and heading one ping after another: the cable pulls the fish towards the ship."""

@@ -1,149 +1,132 @@
 """Outputs of a live tow: each reader has a queue and a thread of its own, so that a late one never stalls the tow."""
 
+import os
 import socket
 import threading
-from collections import deque
+from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from queue import Empty, Full, Queue
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from insonify.arrays import Singles
 from insonify.errors import SceneError
-from insonify.live.ping import LivePing
+from insonify.io.records.survey_log import LoggedPing
 
 ROOM = 64  # pings that wait for a reader
-LOOPBACK = "127.0.0.1"
 PATIENCE = 2.0  # s for what waits, when a tow ends
-Encode = Callable[[LivePing], bytes]
+LOOPBACK = "127.0.0.1"
+Address = tuple[str, int]
+
+
+class LivePing(NamedTuple):
+    """A ping of one towfish, as it is sent."""
+
+    fish: int  # number of the towfish, from 0
+    header: LoggedPing  # number, time, place on Earth and attitude
+    intensity: Singles  # (2, bins) as a record has it, port first
+    course: float  # over ground, in degrees clockwise from north
+    pose: dict[str, float]  # place and attitude in the scene, in metres and degrees, by their names in a record
+
+    @property
+    def amplitudes(self) -> Singles:
+        """Amplitudes near to far, (2, bins)."""
+        return np.sqrt(self.intensity)
 
 
 class Reader:
-    """One reader of pings. When it is late the oldest that wait are dropped; a patient tow waits for it instead.
-
-    Attributes
-    ----------
-    sent, dropped : int
-        Pings that the reader got, and that it did not get.
-    error : OSError or None
-        Why it ended.
-    """
+    """One reader of pings: when it is late the oldest that wait are dropped; a patient tow waits for it instead."""
 
     def __init__(
         self, send: Callable[[LivePing], Any], end: Callable[[], Any], *, room: int = ROOM, patient: bool = False
     ) -> None:
         self.sent = self.dropped = 0
-        self.error: OSError | None = None
-        self._send, self._end, self._room, self._patient = send, end, room, patient
-        self._waiting: deque[LivePing] = deque()
-        self._changed = threading.Condition()
-        self._closing = False
+        self.error: OSError | None = None  # why it takes no more
+        self._send, self._end, self._patient = send, end, patient
+        self._waiting: Queue[LivePing | None] = Queue(room)
         self._thread = threading.Thread(target=self._work, daemon=True)
         self._thread.start()
 
-    def offer(self, live: LivePing) -> None:
-        """Put a ping into the queue."""
-        with self._changed:
-            if self._patient:
-                self._changed.wait_for(lambda: len(self._waiting) < self._room or self._closing)
-            if self._closing:
+    def offer(self, live: LivePing | None) -> None:
+        """Put a ping into the queue; None ends the reader."""
+        while self.error is None:
+            try:
+                self._waiting.put(live, self._patient)
                 return
-            if len(self._waiting) >= self._room:
-                self.dropped += 1
-                self._waiting.popleft()
-            self._waiting.append(live)
-            self._changed.notify_all()
+            except Full:
+                with suppress(Empty):
+                    self._waiting.get_nowait()
+                    self.dropped += 1
 
     def close(self, patience: float = PATIENCE) -> None:
         """Send what waits, for some seconds at most, and end."""
-        with self._changed:
-            self._closing = True
-            self._changed.notify_all()
+        self.offer(None)
         self._thread.join(patience)
-
-    @property
-    def ended(self) -> bool:
-        """Whether the reader takes no more pings."""
-        return not self._thread.is_alive()
 
     def _work(self) -> None:
         try:
-            while True:
-                with self._changed:
-                    self._changed.wait_for(lambda: self._waiting or self._closing)
-                    if not self._waiting:
-                        return
-                    live = self._waiting.popleft()
-                    self._changed.notify_all()
+            while (live := self._waiting.get()) is not None:
                 self._send(live)
                 self.sent += 1
         except OSError as error:
             self.error = error
-            with self._changed:
-                self._closing = True
-                self._waiting.clear()
-                self._changed.notify_all()
+            with suppress(Empty):  # a tow may wait for room
+                self._waiting.get_nowait()
         finally:
             with suppress(OSError):
                 self._end()
 
 
 class Output:
-    """An output of a tow to a list of readers, of which each gets the pings of one towfish or of all.
+    """An output to some readers, of which each gets the pings of one towfish, or of all."""
 
-    Attributes
-    ----------
-    name : str
-        Of its protocol and place, for people.
-    """
-
-    def __init__(self, name: str, fish: int | None = None, *readers: Reader) -> None:
-        self.name, self._fish = name, fish
-        self._readers, self._lock = [*readers], threading.Lock()
-        self._sent = self._dropped = self._came = 0  # of readers that have ended
+    def __init__(self, name: str, fish: int | None, *readers: Reader) -> None:
+        self.name, self._fish, self.readers = name, fish, [*readers]
+        self._lock, self._gone = threading.Lock(), Counter({"readers": 0, "sent": 0, "dropped": 0})
 
     def offer(self, live: LivePing) -> None:
         """Put a ping into the queue of every reader."""
-        if self._fish is None or live.fish == self._fish:
-            for reader in self._readers:
+        if self._fish in (None, live.fish):
+            for reader in self.readers:
                 reader.offer(live)
 
     def add(self, reader: Reader) -> None:
-        """Send pings to one more reader."""
+        """Send pings to one more reader; those that have left are counted and forgotten."""
         with self._lock:
-            gone = [each for each in self._readers if each.ended]
-            self._came += len(gone)
-            self._sent += sum(each.sent for each in gone)
-            self._dropped += sum(each.dropped for each in gone)
-            self._readers = [*(each for each in self._readers if each not in gone), reader]
+            self._gone = self._count([each for each in self.readers if each.error])
+            self.readers = [*(each for each in self.readers if not each.error), reader]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Readers that came so far, and pings that they got and did not get."""
+        """Readers that came so far, and pings that they got, and lost."""
         with self._lock:
-            sent = self._sent + sum(each.sent for each in self._readers)
-            dropped = self._dropped + sum(each.dropped for each in self._readers)
-            return {"readers": self._came + len(self._readers), "sent": sent, "dropped": dropped}
-
-    @property
-    def error(self) -> OSError | None:
-        """Why a file or an address takes no more pings."""
-        return next((each.error for each in self._readers if each.error), None)
+            return dict(self._count(self.readers))
 
     def close(self) -> None:
         """Send what waits, and end."""
-        for reader in self._readers:
+        for reader in self.readers:
             reader.close()
+
+    def _count(self, readers: list[Reader]) -> Counter[str]:
+        counts = Counter(self._gone)
+        for each in readers:
+            counts.update(readers=1, sent=each.sent, dropped=each.dropped)
+        return counts
 
 
 class TcpServer(Output):
     """An output to everyone who connects, again and again."""
 
-    def __init__(self, name: str, address: tuple[str, int], fish: int | None, encode: Encode) -> None:
+    def __init__(self, name: str, address: Address, fish: int | None, encode: Callable[[LivePing], bytes]) -> None:
         super().__init__(f"{name} on tcp {':'.join(map(str, address))}", fish)
         self._encode = encode
         try:
             self._socket = socket.create_server(address)
         except OSError as error:
-            raise SceneError(f"{self.name}: {error.strerror}; choose another port, or end who uses it") from None
+            reason = os.strerror(error.errno) if error.errno else str(error)
+            raise SceneError(f"{self.name}: {reason.lower()}; choose another port, or end who uses it") from None
         self.port = int(self._socket.getsockname()[1])
         threading.Thread(target=self._accept, daemon=True).start()
 
@@ -159,35 +142,29 @@ class TcpServer(Output):
         super().close()
 
     def _accept(self) -> None:
-        while True:
-            try:
+        with suppress(OSError):  # closed
+            while True:
                 connection, _ = self._socket.accept()
-            except OSError:  # closed
-                return
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self.connected(connection)
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                self.connected(connection)
 
 
-def parse_address(text: str, given: str = "") -> tuple[str, int]:
-    """Read ``PORT``, which is one of this machine alone, or ``HOST:PORT``."""
-    host, _, port = text.rpartition(":")
-    if not (port.isascii() and port.isdigit() and int(port) < 2**16):
-        raise SceneError(f"{given or text}: is not an address; give a port such as 4000, or HOST:PORT")
-    return host.strip("[]") or LOOPBACK, int(port)
-
-
-def send_datagrams(name: str, address: tuple[str, int], fish: int, encode: Callable[[LivePing], list[str]]) -> Output:
+def send_datagrams(name: str, address: Address, fish: int, encode: Callable[[LivePing], list[str]]) -> Output:
     """Make an output that sends every sentence about a ping as one datagram."""
-    try:
-        family, kind, _, _, place = socket.getaddrinfo(*address, type=socket.SOCK_DGRAM)[0]
-    except OSError as error:
-        raise SceneError(f"{name}: {address[0]}: {error.strerror}; give HOST:PORT") from None
-    sender = socket.socket(family, kind)
+    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
 
     def send(live: LivePing) -> None:
         for sentence in encode(live):
             with suppress(ConnectionRefusedError):  # nobody listens at the moment
-                sender.sendto(sentence.encode("ascii"), place)
+                sender.sendto(sentence.encode("ascii"), address)
 
     return Output(f"{name} to udp {':'.join(map(str, address))}", fish, Reader(send, sender.close))
+
+
+def parse_address(text: str, given: str = "") -> Address:
+    """Read ``PORT``, which is one of this machine alone, or ``HOST:PORT``."""
+    host, _, port = text.rpartition(":")
+    if not (port.isascii() and port.isdigit() and int(port) < 2**16):
+        raise SceneError(f"{given or text}: is not an address; give a port such as 4000, or HOST:PORT")
+    return host or LOOPBACK, int(port)

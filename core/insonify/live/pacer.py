@@ -12,11 +12,8 @@ STEP, STEPS = 100_000, 10_000  # ns, and number of steps of the histogram of lat
 class Pacer:
     """Waits for pings, each of which is due a whole number of periods after the first: no wait adds to the next.
 
-    Attributes
-    ----------
-    waited, missed : int
-        Pings that were waited for, and pings that were skipped because the tow was more than a second behind. A tow
-        faster than real time skips none: its clock is put back.
+    A tow that is more than a second behind skips pings, which are counted in ``missed``. One that is faster than real
+    time skips none: its clock is put back.
     """
 
     def __init__(
@@ -28,36 +25,32 @@ class Pacer:
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
         self._rate, self._skips, self._clock, self._sleep = rate, skips, clock, sleep
-        self._begun, self._first = clock(), 0
         self.waited = self.missed = 0
         self._late = np.zeros(STEPS, np.int64)  # pings by their lateness; a tow of any length takes no more
+        self.restart(0)
 
     def restart(self, ping: int) -> None:
         """Let a ping be due now, after a pause."""
         self._begun, self._first = self._clock(), ping
 
     def due(self, ping: int) -> int:
-        """Time at which a ping is due, in nanoseconds of the clock."""
-        # Rounded once, from the first ping: the error stays below a nanosecond for ever.
+        """Time at which a ping is due, in nanoseconds of the clock; rounded once, so that the error does not grow."""
         return self._begun + round((ping - self._first) * SECOND / self._rate)
 
     def wait(self, ping: int) -> int:
         """Sleep until a ping is due, and return it; a later one if it should have been sent over a second ago."""
-        behind = self._clock() - self.due(ping)
-        if behind > SECOND and not self._skips:
-            self.restart(ping)
-        elif behind > SECOND:
-            skipped = int(behind * self._rate / SECOND)
-            self.missed += skipped
-            ping += skipped
+        if (behind := self._clock() - self.due(ping)) > SECOND:
+            if self._skips:
+                skipped = int(behind * self._rate / SECOND)
+                self.missed, ping = self.missed + skipped, ping + skipped
+            else:
+                self.restart(ping)
         while (left := self.due(ping) - self._clock()) > 0:
             self._sleep(left / SECOND)
         self.waited += 1
-        self._late[min(max(-left, 0) // STEP, STEPS - 1)] += 1
+        self._late[min(-left // STEP, STEPS - 1)] += 1
         return ping
 
     def lateness(self, share: float) -> float:
         """Lateness in milliseconds that a share of the pings did not exceed."""
-        if not self.waited:
-            return 0.0
         return float((np.searchsorted(self._late.cumsum(), share * self.waited) + 1) * STEP / 1e6)

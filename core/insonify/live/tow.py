@@ -19,9 +19,8 @@ from insonify.io.record_schema import PLATFORM
 from insonify.io.records.survey_log import NOWHERE, LoggedPing
 from insonify.kernels.common.types import Poses
 from insonify.live.helm import Helm
-from insonify.live.outputs import Output
+from insonify.live.outputs import LivePing, Output
 from insonify.live.pacer import Pacer
-from insonify.live.ping import LivePing
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
 from insonify.tow.line import TowLine, tow_line_at
@@ -29,24 +28,23 @@ from insonify.tow.poses import make_poses, platform_columns
 
 MOST_FISH = 16
 OWN_NOISE = 2**24  # pings between those of two fish, whose noise is that of pings so many later in the record
-LINE_FIELDS = ("track", "sonar.ping_rate")  # that place pings: a tow under way keeps them
 SWITCHING = 5e-4  # s, after which a thread that encodes lets the one that sends go first
-POSE = ("x", "y", "depth", "altitude", "heading", "pitch", "roll")
+PLACE = ("x", "y", "heading")
+POSE = (*PLACE, "depth", "altitude", "pitch", "roll")
 HELM = {"turn": (-90.0, 90.0), "speed": (0.0, 50.0)}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SteeredSimulation(Simulation):
-    """A simulation whose track is that of a helm."""
+    """A simulation whose track is that of a helm, and whose record may be that of a scene with more in it."""
 
     helm: Helm
-    hidden: Simulation | None = None  # of a scene with more in it, which is traced in place of this one
+    hidden: Simulation | None = None
 
     def trace_record(self, pings: Integers, poses: Poses | None = None) -> tuple[Singles, Singles]:
         """Trace and receive pings, with what is hidden."""
-        if self.hidden is None:
-            return super().trace_record(pings, poses)
-        return self.hidden.trace_record(pings, self.poses(pings) if poses is None else poses)
+        poses = self.poses(pings) if poses is None else poses
+        return super().trace_record(pings, poses) if self.hidden is None else self.hidden.trace_record(pings, poses)
 
     def poses(self, pings: Integers) -> Poses:
         """Return position and attitude of the sonar at the given pings."""
@@ -58,7 +56,7 @@ class SteeredSimulation(Simulation):
 
 
 def steer_by(simulation: Simulation, helm: Helm, hidden: Scene | None = None) -> SteeredSimulation:
-    """Return a simulation whose track is that of a helm, and whose record is that of a scene with more in it."""
+    """Return a simulation along a helm, and with the record of another scene if there is one."""
     parts = {field.name: getattr(simulation, field.name) for field in fields(Simulation)}
     more = None if hidden is None else prepare(hidden, tolerance=simulation.tolerance)
     return SteeredSimulation(**parts, helm=helm, hidden=more)
@@ -106,17 +104,19 @@ class Tow:
             raise SceneError(f"fish: {fish} is out of bounds; give 1 to {MOST_FISH}")
         self.fish, self.apart, self.times, self.number = fish, apart, times, 0
         self.helm: Helm | None = None
-        self.start = start or datetime.now(UTC).replace(tzinfo=None)
-        given = scene.georeference
-        self.on_earth = given is not None and bool(given.crs)
-        self.put_on_earth(given if given is not None and given.crs else NOWHERE)
-        self._how = how
-        self.simulation = prepare(scene, **how)
-        self._last: Poses | None = None
-        self._running = threading.Event()
-        self._running.set()
-        self._ended = False
         self.pacer: Pacer | None = None
+        self.start, place = start or datetime.now(UTC).replace(tzinfo=None), scene.georeference
+        self.on_earth = place is not None and bool(place.crs)
+        self.put_on_earth(place if place is not None and place.crs else NOWHERE)
+        self._how, self.simulation = how, prepare(scene, **how)
+        self._last: Poses | None = None
+        self._running, self._ended = threading.Event(), False
+        self._running.set()
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, with what was changed under way."""
+        return self.simulation.scene
 
     def put_on_earth(self, place: Georeference) -> None:
         """Put the scene's own x and y on a map."""
@@ -125,11 +125,6 @@ class Tow:
     def direction(self, bearing: float) -> float:
         """Direction in radians, counter-clockwise from +x, of a bearing in degrees from true north."""
         return math.radians(90.0 - bearing + self._convergence)
-
-    @property
-    def scene(self) -> Scene:
-        """The scene, with what was changed under way."""
-        return self.simulation.scene
 
     def poses(self, ping: int) -> Poses:
         """Return the poses of all fish at a ping."""
@@ -145,11 +140,9 @@ class Tow:
 
     def trace(self, ping: int) -> list[LivePing]:
         """Trace a ping of every fish."""
-        poses, simulation = self.poses(ping), self.simulation
-        numbers = ping + OWN_NOISE * np.arange(self.fish)
-        found = self._describe(ping, poses, simulation.record(numbers, poses), self._last)
+        poses, before = self.poses(ping), self._last
         self._last = poses
-        return found
+        return self._describe(ping, poses, ping + OWN_NOISE * np.arange(self.fish), before)
 
     def ping(self, pose: Mapping[str, float], number: int = 0) -> LivePing:
         """Trace one ping at any pose, beside those of the tow.
@@ -162,46 +155,40 @@ class Tow:
         number : int
             Its number, from which its noise derives.
         """
-        if strange := [name for name in pose if name not in POSE]:
-            raise SceneError(f"{strange[0]}: is not part of a pose; give {', '.join(POSE)}")
-        if {"depth", "altitude"} <= pose.keys():
+        values = _numbers(pose, POSE, "is not part of a pose")
+        if {"depth", "altitude"} <= values.keys():
             raise SceneError("altitude: has no effect beside depth; give one of the two")
-        values = {name: _number(name, value) for name, value in pose.items()}
         x, y, *angles = (np.array([values.get(name, 0.0)]) for name in ("x", "y", "heading", "pitch", "roll"))
-        ground, heading = self.simulation.ground, np.radians(angles[0])
+        ground, numbers, (heading, *tilt) = self.simulation.ground, np.array([number]), map(np.radians, angles)
         if "depth" in values:
             z = np.array([-values["depth"]]) - ground.datum
         elif "altitude" in values:
             z = ground.height_near(x, y) + values["altitude"]
         else:
-            z = make_poses(self.scene, ground, np.array([number]), TowLine(x, y, heading)).z
-        poses = Poses(x, y, z, heading, *map(np.radians, angles[1:]))
-        return self._describe(number, poses, self.simulation.record(np.array([number]), poses), None)[0]
+            z = make_poses(self.scene, ground, numbers, TowLine(x, y, heading)).z
+        return self._describe(number, Poses(x, y, z, heading, *tilt), numbers)[0]
 
     def set(self, changes: Mapping[str, Any]) -> None:
         """Change fields of the scene by their paths; the tow goes on meanwhile, and pings after that show it."""
-        fixed = next((path for path in changes for field in LINE_FIELDS if f"{path}.".startswith(f"{field}.")), None)
-        if fixed is not None and not fixed.startswith(("track.altitude", "track.depth")):
-            raise SceneError(f"{fixed}: places the pings and stays as it is during a tow; steer it instead")
+        free = "track.altitude", "track.depth"
+        fixed = [path for path in changes if path.startswith(("track", "sonar.ping_rate")) and path not in free]
+        if fixed:
+            raise SceneError(f"{fixed[0]}: places the pings and stays as it is during a tow; steer it instead")
         self.simulation = prepare(edit(self.scene, dict(changes)), **self._how)
 
     def steer(self, changes: Mapping[str, float]) -> None:
         """Turn (``turn``, °/s to port), change the ``speed`` (m/s), or move to ``x``, ``y`` with a ``heading``."""
-        place = ("x", "y", "heading")
-        if strange := [name for name in changes if name not in (*HELM, *place)]:
-            raise SceneError(f"{strange[0]}: is no way to steer; give {', '.join((*HELM, *place))}")
-        values = {name: _number(name, value) for name, value in changes.items()}
-        for name, (low, high) in HELM.items():
-            if not low <= values.get(name, low) <= high:
-                raise SceneError(f"{name}: {values[name]:g} is out of bounds; give {low:g} to {high:g}")
+        values = _numbers(changes, (*HELM, *PLACE), "is no way to steer")
         helm = self.helm or Helm(self.scene, self.number)
-        if any(name in values for name in place):
-            at = helm.line(np.array([helm.newest]))
-            known = dict(zip(place, (float(at.x[0]), float(at.y[0]), math.degrees(at.heading[0])))) | values
+        for name in HELM.keys() & values.keys():
+            low, high = HELM[name]
+            if not low <= values[name] <= high:
+                raise SceneError(f"{name}: {values[name]:g} is out of bounds; give {low:g} to {high:g}")
+            setattr(helm, name, values[name])
+        if values.keys() & PLACE:
+            x, y, heading = (float(column[0]) for column in helm.line(np.array([helm.newest])))
+            known = {"x": x, "y": y, "heading": math.degrees(heading)} | values
             helm.put(known["x"], known["y"], math.radians(known["heading"]))
-        for name in HELM:
-            if name in values:
-                setattr(helm, name, values[name])
         self.helm = helm
 
     def pause(self, paused: bool = True) -> None:
@@ -223,21 +210,20 @@ class Tow:
         Pacer
             How late the pings were.
         """
-        last = math.inf if pings is None else self.number + pings
-        waiting = self.trace(self.number)
+        last, waiting = math.inf if pings is None else self.number + pings, self.trace(self.number)
         gc.collect()
         gc.freeze()  # what is prepared is not looked through again while pings are due
         interval = sys.getswitchinterval()
         sys.setswitchinterval(SWITCHING)
         self.pacer = pacer = Pacer(self.scene.sonar.ping_rate * self.times, skips=self.times <= 1.0)
+        pacer.restart(self.number)
         try:
             while self.number < last and not self._ended:
                 if not self._running.is_set():
                     self._running.wait()
                     pacer.restart(self.number)
                     continue
-                due = pacer.wait(self.number)
-                if due != self.number:
+                if (due := pacer.wait(self.number)) != self.number:
                     self.number, waiting = due, self.trace(due)
                 for live in waiting:
                     for output in outputs:
@@ -251,38 +237,38 @@ class Tow:
             gc.unfreeze()
         return pacer
 
-    def _describe(self, number: int, poses: Poses, intensity: Singles, before: Poses | None) -> list[LivePing]:
-        """Pings with their headers; speed and course are those since the poses before."""
+    def _describe(self, number: int, poses: Poses, numbers: Integers, before: Poses | None = None) -> list[LivePing]:
+        """Trace pings at poses, by the numbers of their noise; speed and course are those since the poses before."""
         scene, ground, rate = self.scene, self.simulation.ground, self.scene.sonar.ping_rate
+        intensity = self.simulation.record(numbers, poses)
         columns = dict(zip(PLATFORM, platform_columns(poses, ground)))
-        x, y = columns["platform_x"], columns["platform_y"]
-        east, north = to_degrees(self.place, x, y)
-        if before is None or before.x.shape != x.shape:
-            ahead = scene.track.speed / rate
-            moved = ahead * np.cos(poses.heading), ahead * np.sin(poses.heading)
-        else:
-            moved = x - before.x, y - before.y
-        heading = self._bearing(columns["platform_heading"])
-        course = self._bearing(np.degrees(np.arctan2(moved[1], moved[0])))
-        time = self.start + timedelta(seconds=number / rate)
-        reach = scene.sonar.range
-        shared = reach, 2.0 * reach / recording_speed(scene, ground.datum), scene.sonar.frequency
-        names = ("platform_pitch", "platform_roll", "platform_depth", "platform_altitude")
-        rows = zip(east, north, heading, *(columns[name] for name in names), np.hypot(*moved) * rate)
-        found = []
-        for fish, row in enumerate(rows):
-            longitude, latitude, *rest = map(float, row)
-            header = LoggedPing(number, time, longitude, latitude, True, *rest, *shared)  # type: ignore[call-arg]
+        pitch, roll, depth, altitude = (columns[f"platform_{name}"] for name in ("pitch", "roll", "depth", "altitude"))
+        east, north = to_degrees(self.place, poses.x, poses.y)
+        ahead = scene.track.speed / rate
+        moved = (ahead * np.cos(poses.heading), ahead * np.sin(poses.heading))
+        if before is not None:
+            moved = poses.x - before.x, poses.y - before.y
+        heading, course = self._bearing(poses.heading), self._bearing(np.arctan2(moved[1], moved[0]))
+        time, speed = self.start + timedelta(seconds=number / rate), np.hypot(*moved) * rate
+        reach, found = scene.sonar.range, []
+        duration, frequency = 2.0 * reach / recording_speed(scene, ground.datum), scene.sonar.frequency
+        for fish, (x, y, *rest) in enumerate(zip(east, north, heading, pitch, roll, depth, altitude, speed)):
+            place: Any = float(x), float(y), True, *map(float, rest), reach, duration, frequency
             pose = {name: float(column[fish]) for name, column in columns.items()}
+            header = LoggedPing(number, time, *place)
             found.append(LivePing(fish, header, intensity[fish], float(course[fish]), pose))
         return found
 
-    def _bearing(self, degrees: Floats) -> Floats:
-        """Bearing from true north, above 0 and up to 360, of a direction counter-clockwise from +x."""
-        return np.asarray(360.0 - np.mod(degrees - 90.0 - self._convergence, 360.0))
+    def _bearing(self, direction: Floats) -> Floats:
+        """Bearing from true north, above 0 and up to 360, of a direction in radians counter-clockwise from +x."""
+        return np.asarray(360.0 - np.mod(np.degrees(direction) - 90.0 - self._convergence, 360.0))
 
 
-def _number(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise SceneError(f"{name}: {value!r:.40} is not a number; give a plain number")
-    return float(value)
+def _numbers(given: Mapping[str, Any], known: Sequence[str], fault: str) -> dict[str, float]:
+    """Return values that are finite numbers of known names."""
+    for name, value in given.items():
+        if name not in known:
+            raise SceneError(f"{name}: {fault}; give {', '.join(known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise SceneError(f"{name}: {value!r:.40} is not a number; give a plain number")
+    return dict(given)
