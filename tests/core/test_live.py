@@ -126,6 +126,15 @@ def test_pings_are_those_of_the_record(tow: Tow) -> None:
         assert live.header.number == ping
 
 
+def test_targets_far_from_the_track_are_there_for_a_fish_that_is_steered_to_them() -> None:
+    ball = {"kind": "sphere", "radius": 0.6, "position": [900.0, 700.0]}
+    there, without = (Tow(small(targets=targets), start=START) for targets in ([ball], []))
+    pose = {"x": 900.0, "y": 688.0, "altitude": 8.0, "heading": 0.0}
+    bins = slice(*np.searchsorted(0.625 * np.arange(80), (13.0, 15.5)))  # the ball is 14 m away, to port
+    assert there.ping(pose).intensity[0, bins].max() > 4.0 * without.ping(pose).intensity[0, bins].max()
+    np.testing.assert_array_equal(there.trace(0)[0].intensity, without.trace(0)[0].intensity)
+
+
 def test_every_fish_has_its_lane_and_its_noise() -> None:
     fleet = Tow(small(), fish=3, apart=12.0, start=START)
     found = fleet.trace(5)

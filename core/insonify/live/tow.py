@@ -58,8 +58,14 @@ class SteeredSimulation(Simulation):
 def steer_by(simulation: Simulation, helm: Helm, hidden: Scene | None = None) -> SteeredSimulation:
     """Return a simulation along a helm, and with the record of another scene if there is one."""
     parts = {field.name: getattr(simulation, field.name) for field in fields(Simulation)}
-    more = None if hidden is None else prepare(hidden, tolerance=simulation.tolerance)
+    more = None if hidden is None else prepare_everywhere(hidden, tolerance=simulation.tolerance)
     return SteeredSimulation(**parts, helm=helm, hidden=more)
+
+
+def prepare_everywhere(scene: Scene, *, forced: Mapping[str, str] | None = None, **how: Any) -> Simulation:
+    """Prepare a scene for any pose: its plan keeps targets that are out of reach of the declared track."""
+    kept = {"far_targets": "on"} if scene.targets else {}
+    return prepare(scene, forced=kept | dict(forced or {}), **how)
 
 
 class Tow:
@@ -108,7 +114,7 @@ class Tow:
         self.start, place = start or datetime.now(UTC).replace(tzinfo=None), scene.georeference
         self.on_earth = place is not None and bool(place.crs)
         self.put_on_earth(place if place is not None and place.crs else NOWHERE)
-        self._how, self.simulation = how, prepare(scene, **how)
+        self._how, self.simulation = how, prepare_everywhere(scene, **how)
         self._last: Poses | None = None
         self._running, self._ended = threading.Event(), False
         self._running.set()
@@ -174,7 +180,7 @@ class Tow:
         fixed = [path for path in changes if path.startswith(("track", "sonar.ping_rate")) and path not in free]
         if fixed:
             raise SceneError(f"{fixed[0]}: places the pings and stays as it is during a tow; steer it instead")
-        self.simulation = prepare(edit(self.scene, dict(changes)), **self._how)
+        self.simulation = prepare_everywhere(edit(self.scene, dict(changes)), **self._how)
 
     def steer(self, changes: Mapping[str, float]) -> None:
         """Turn (``turn``, °/s to port), change the ``speed`` (m/s), or move to ``x``, ``y`` with a ``heading``."""

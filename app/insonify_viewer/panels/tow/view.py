@@ -36,8 +36,8 @@ class TowView(QWidget):
         ]
         self._helm = make_label("")
         self.ports = [
-            make(QSpinBox, minimum=1024, maximum=65535, value=port, prefix=f"{name} ", toolTip=f"Port of {name}")
-            for name, port in PORTS.items()
+            make(QSpinBox, minimum=1024, maximum=65535, value=port, prefix=f"{name} ", toolTip=tip, accessibleName=tip)
+            for name, port, tip in ((name, port, f"Port of {name}") for name, port in PORTS.items())
         ]
         self.live = push_button(
             "Live", "Tow over this scene in real time, for survey programs on this machine", self._go_live
