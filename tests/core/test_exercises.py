@@ -13,7 +13,7 @@ import pytest
 from commands import refused
 from insonify.cli import main
 from insonify.exercises.exercise import Exercise, Hidden, make_exercise, read_exercise, write_exercise
-from insonify.exercises.marking import Found, Track, describe_marks, mark_contacts, read_contacts_of, read_track
+from insonify.exercises.marking import Found, Track, describe_marks, mark_contacts, read_found, read_track
 from insonify.io.contacts import Contact, write_contacts
 from insonify.io.georeference import to_degrees
 from insonify.live.helm import Helm
@@ -158,7 +158,7 @@ def test_contacts_of_the_viewer_and_of_other_programs(exercise: Exercise, tmp_pa
     for name in ("ours.csv", "ours.geojson"):
         write_contacts(tmp_path / name, [contact])
     for name in ("ours.csv", "ours.geojson", "others.csv", "others.geojson", "local.csv"):
-        (found,) = read_contacts_of(exercise, tmp_path / name)
+        (found,) = read_found(exercise, tmp_path / name)
         assert found.name == "c"
         assert found[1:] == pytest.approx((42.0, 17.5, 0.7), abs=1e-3)
 
@@ -166,7 +166,11 @@ def test_contacts_of_the_viewer_and_of_other_programs(exercise: Exercise, tmp_pa
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
-        ("a.csv", "name,height\nb,3\n", "contact 1 has no place; give columns longitude and latitude, or x and y"),
+        (
+            "a.csv",
+            "name,height\nb,3\n",
+            "contact 1 has no place; give .csv or .geojson with columns longitude and latitude, or x and y",
+        ),
         ("a.csv", "name,x,y\nb,three,4\n", "is not a list of contacts"),
         ("a.geojson", "{}", "is not a list of contacts"),
         ("a.txt", "x", "is no list of contacts by its suffix; give .csv or .geojson"),

@@ -449,7 +449,7 @@ def test_a_log_of_a_ship_is_replayed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ("", "nothing takes the pings; give --jsf"),
+        ("", "nothing takes the pings; give one of --jsf"),
         ("--jsf 99999", "--jsf 99999: is not an address; give a port such as 4000, or HOST:PORT"),
         ("--nmea-udp here", "is not an address"),
         ("--xtf live.nc", "end the name in .xtf"),

@@ -18,28 +18,19 @@ def register(subparsers: Any) -> None:
         "that a student hands in.",
     )
     actions = parser.add_subparsers(metavar="ACTION", required=True)
-    make = actions.add_parser(
-        "make",
-        help="draw an exercise",
-        description="Draw an exercise from a specification and write it with its truth sealed. "
-        "Example: insonify exercise make harbour-search --seed 7 -o search.exercise",
-    )
+    example = "Example: insonify exercise make harbour-search --seed 7 -o search.exercise"
+    about = f"Draw an exercise from a specification and write it with its truth sealed. {example}"
+    make = actions.add_parser("make", help="draw an exercise", description=about)
     names = ", ".join(bundled_specifications("exercises"))
     make.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
     make.add_argument("--seed", type=int, metavar="N", help="seed of what is drawn (default: the specification's)")
     options.add_output(make, (SUFFIX,))
     make.set_defaults(run=run_make)
-    mark = actions.add_parser(
-        "mark",
-        help="mark contacts",
-        description="Compare contacts with the truth: found, missed, false, errors of positions and heights; with "
-        "records also the coverage and the time. "
-        "Example: insonify exercise mark search.exercise contacts.geojson --record survey.xtf",
-    )
+    example = "Example: insonify exercise mark search.exercise contacts.geojson --record survey.xtf"
+    about = f"Compare contacts with the truth; with records also the coverage and the time are marked. {example}"
+    mark = actions.add_parser("mark", help="mark contacts", description=about)
     mark.add_argument("exercise", metavar="EXERCISE", help=f"a file that ends in {SUFFIX}")
-    mark.add_argument(
-        "contacts", metavar="CONTACTS", help="contacts of the viewer or another program: .csv or .geojson"
-    )
+    mark.add_argument("contacts", metavar="CONTACTS", help="contacts of any program, with their places: .csv, .geojson")
     options.add_many(mark, "--record", "FILE", "a record of the survey")
     mark.set_defaults(run=run_mark)
 
@@ -58,9 +49,9 @@ def run_mark(arguments: argparse.Namespace) -> None:
     """Print marks."""
     # lazy: no other command needs it
     from insonify.exercises.exercise import read_exercise
-    from insonify.exercises.marking import describe_marks, mark_contacts, read_contacts_of, read_track
+    from insonify.exercises.marking import describe_marks, mark_contacts, read_found, read_track
 
     exercise = read_exercise(arguments.exercise)
-    contacts = read_contacts_of(exercise, Path(arguments.contacts))
+    contacts = read_found(exercise, Path(arguments.contacts))
     tracks = [read_track(exercise, name) for name in arguments.record]
     options.say(*describe_marks(exercise, mark_contacts(exercise, contacts, tracks)))

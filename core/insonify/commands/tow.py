@@ -3,16 +3,23 @@
 import argparse
 import sys
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from insonify.commands import options
 from insonify.io.sealed import SUFFIX
 from insonify.scene import SceneError
 
-FILES = {"xtf", "mcap"}
-OUTPUTS = ("jsf", "nmea", "nmea_udp", "control", *sorted(FILES))
-FASTEST = 1000.0
+PORT = "[HOST:]PORT"
+PORTS = {
+    "jsf": "sonar data, attitude and sentences in JSF, by TCP",
+    "nmea": "NMEA 0183 (ZDA, GGA, VTG, HDT, DPT, DBT), by TCP",
+    "nmea-udp": "the same sentences as datagrams to an address",
+    "control": "lines of JSON, by TCP: pings, poses, parameters, pause",
+}
+FILES = {
+    "xtf": "an XTF file that grows with every ping",
+    "mcap": "an MCAP file of messages marine_acoustic_msgs/RawSonarImage",
+}
 MOST_PINGS = 10**8
 
 
@@ -28,55 +35,22 @@ def register(subparsers: Any) -> None:
         "--pings 600; insonify tow harbour.toml --ship udp:10111 --layback 40 --lag 3 --jsf 0.0.0.0:4000",
     )
     options.add_scene(parser)
-    outputs = parser.add_argument_group("outputs")
-    where = "[HOST:]PORT"
-    outputs.add_argument("--jsf", metavar=where, help="sonar data, attitude and sentences in JSF, by TCP")
-    outputs.add_argument("--nmea", metavar=where, help="NMEA 0183 (ZDA, GGA, VTG, HDT, DPT, DBT), by TCP")
-    outputs.add_argument("--nmea-udp", metavar=where, help="the same sentences as datagrams to an address")
-    outputs.add_argument("--xtf", metavar="FILE", help="an XTF file that grows with every ping")
-    outputs.add_argument("--mcap", metavar="FILE", help="an MCAP file of messages marine_acoustic_msgs/RawSonarImage")
-    outputs.add_argument("--control", metavar=where, help="lines of JSON, by TCP: pings, poses, parameters, pause")
-    steering = parser.add_argument_group("steering")
-    steering.add_argument(
-        "--ship",
-        metavar="SOURCE",
-        help="NMEA 0183 of a ship that tows the fish: udp:PORT, tcp:HOST:PORT, or a log to replay",
-    )
-    steering.add_argument(
-        "--layback",
-        type=options.metres,
-        default=30.0,
-        metavar="M",
-        help="horizontal length of the cable (default: %(default)g)",
-    )
-    steering.add_argument(
-        "--lag",
-        type=options.bounded(0.0, 600.0, "seconds from 0 to 600"),
-        default=2.0,
-        metavar="S",
-        help="lag with which the catenary passes on what the ship does (default: %(default)g)",
-    )
-    steering.add_argument("--fish", type=int, default=1, metavar="N", help="towfish, 1 to 16 (default: 1)")
-    steering.add_argument(
-        "--apart",
-        type=options.metres,
-        default=20.0,
-        metavar="M",
-        help="distance between neighbouring fish (default: %(default)g)",
-    )
-    steering.add_argument(
-        "--times",
-        type=options.bounded(0.01, FASTEST, f"0.01 to {FASTEST:g}"),
-        default=1.0,
-        metavar="N",
-        help="seconds of the tow in a second (default: 1)",
-    )
-    steering.add_argument(
-        "--pings",
-        type=int,
-        metavar="N",
-        help="end after so many (default: the pings of the track, or none where the tow is steered)",
-    )
+    outputs, steering = parser.add_argument_group("outputs"), parser.add_argument_group("steering")
+    for name, explained in (PORTS | FILES).items():
+        outputs.add_argument(f"--{name}", metavar=PORT if name in PORTS else "FILE", help=explained)
+    ship = "NMEA 0183 of a ship that tows the fish: udp:PORT, tcp:HOST:PORT, or a log to replay"
+    seconds, times = options.bounded(0.0, 600.0, "seconds from 0 to 600"), options.bounded(0.01, 1000.0, "0.01 to 1000")
+    default = "(default: %(default)g)"
+    steering.add_argument("--ship", metavar="SOURCE", help=ship)
+    for name, kind, usual, unit, explained in (
+        ("layback", options.metres, 30.0, "M", f"horizontal length of the cable {default}"),
+        ("lag", seconds, 2.0, "S", f"lag with which the catenary passes on what the ship does {default}"),
+        ("fish", int, 1, "N", f"towfish, 1 to 16 {default}"),
+        ("apart", options.metres, 20.0, "M", f"distance between neighbouring fish {default}"),
+        ("times", times, 1.0, "N", f"seconds of the tow in a second {default}"),
+        ("pings", int, None, "N", "end after so many (default: those of the track, or none where it is steered)"),
+    ):
+        steering.add_argument(f"--{name}", type=kind, default=usual, metavar=unit, help=explained)
     options.add_method(parser)
     options.add_threads(parser)
     parser.set_defaults(run=run)
@@ -95,36 +69,32 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.progress import report_waiting
     from insonify.record.variables import record_attributes
 
-    given = {name: value for name in OUTPUTS if (value := getattr(arguments, name)) is not None}
+    given = {name: value for name in PORTS | FILES if (value := getattr(arguments, name.replace("-", "_"))) is not None}
     if not given:
-        raise SceneError("tow: nothing takes the pings; give --jsf, --nmea, --nmea-udp, --xtf, --mcap or --control")
+        raise SceneError(f"tow: nothing takes the pings; give one of --{', --'.join(PORTS | FILES)}")
     if arguments.pings is not None and not 0 < arguments.pings <= MOST_PINGS:
         raise SceneError(f"--pings {arguments.pings}: give 1 to {MOST_PINGS}")
-    ports = {
-        name: parse_address(value, f"--{name.replace('_', '-')} {value}")
-        for name, value in given.items()
-        if name not in FILES
-    }
-    for name in FILES & given.keys():
-        options.check_output(given[name], (f".{name}",))
+    ports = {name: parse_address(given[name], f"--{name} {given[name]}") for name in PORTS if name in given}
+    paths = {name: options.check_output(given[name], (f".{name}",), f"--{name}") for name in FILES if name in given}
     lines = None if arguments.ship is None else read_lines(arguments.ship, arguments.times)
     method, scene = options.chosen_method(arguments), options.chosen_scene(arguments)
     with report_waiting():
-        how = method | {"threads": arguments.threads}
-        tow = Tow(scene, fish=arguments.fish, apart=arguments.apart, times=arguments.times, **how)
-    if Path(arguments.scene).suffix.lower() == SUFFIX:
+        how = {"times": arguments.times, **method, "threads": arguments.threads}
+        tow = Tow(scene, fish=arguments.fish, apart=arguments.apart, **how)
+    if arguments.scene.lower().endswith(SUFFIX):
         tow.helm = Helm(scene, 0, read_exercise(arguments.scene).current)
     attributes = record_attributes(scene, tow.simulation.plan, **method) | tow.place.attributes()
     outputs: list[Output] = []
     for fish in range(tow.fish):
         own = {name: (host, port + fish) for name, (host, port) in ports.items()}
-        files = {name: _numbered(given[name], fish, tow.fish) for name in FILES & given.keys()}
+        number = f"-{fish + 1}" if tow.fish > 1 else ""
+        files = {name: path.with_name(f"{path.stem}{number}{path.suffix}") for name, path in paths.items()}
         if "jsf" in own:
             outputs.append(TcpServer("JSF", own["jsf"], fish, encode_jsf))
         if "nmea" in own:
             outputs.append(TcpServer("NMEA", own["nmea"], fish, encode_nmea))
-        if "nmea_udp" in own:
-            outputs.append(send_datagrams("NMEA", own["nmea_udp"], fish, describe_ping))
+        if "nmea-udp" in own:
+            outputs.append(send_datagrams("NMEA", own["nmea-udp"], fish, describe_ping))
         if "xtf" in files:
             outputs.append(write_growing_xtf(files["xtf"], fish, attributes, patient=tow.times > 1.0))
         if "mcap" in files:
@@ -137,26 +107,15 @@ def run(arguments: argparse.Namespace) -> None:
         options.say("The scene has no place on Earth: positions are about 40° N, 3° E, or a ship's first fix.")
     options.say(*(f"{output.name}: ready" for output in outputs))
     sys.stdout.flush()
-    endless = arguments.ship is not None or "control" in ports
+    endless = lines is not None or "control" in ports
     with suppress(KeyboardInterrupt):
         tow.run(outputs, arguments.pings or (None if endless else scene.track.pings))
     for output in outputs:
         output.close()
-    _report(tow, outputs)
-
-
-def _report(tow: Any, outputs: Any) -> None:
-    """Print how late pings were, and what readers got."""
     if (pacer := tow.pacer) is not None:
         late = f"half at most {pacer.lateness(0.5):.1f} ms late, 99 % at most {pacer.lateness(0.99):.1f} ms"
         options.say(f"{pacer.waited} pings of {tow.fish} fish: {late}, {pacer.missed} missed")
     for output in outputs:
         readers, sent, dropped = output.counts.values()
-        fault = "".join(f"; {each.error.strerror}" for each in output.readers if each.error and each.error.strerror)
-        options.say(f"{output.name}: {readers} readers, {sent} pings sent, {dropped} dropped{fault}")
-
-
-def _numbered(path: str, fish: int, of: int) -> Path:
-    """File of one fish of several."""
-    whole = Path(path)
-    return whole if of == 1 else whole.with_name(f"{whole.stem}-{fish + 1}{whole.suffix}")
+        faults = "".join(f"; {each.error.strerror}" for each in output.readers if each.error and each.error.strerror)
+        options.say(f"{output.name}: {readers} readers, {sent} pings sent, {dropped} dropped{faults}")

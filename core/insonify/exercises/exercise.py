@@ -23,10 +23,8 @@ from insonify.surveys.datasets.specification import TargetGroup
 from insonify.surveys.distributions import Drawn
 from insonify.surveys.specification import read_specification
 
-FOLDER = "exercises"  # of bundled specifications
 ATTEMPTS = 500  # to place a target clear of the others
 CLEARANCE, EDGE = 6.0, 4.0  # m, between targets, and from the edge of the area's rectangle
-DIGITS = 3
 SHALLOWEST, DEEPEST = 0.3, 0.7  # of the depth, between which fish swim
 
 
@@ -95,49 +93,39 @@ class Exercise:
 
     def hide_in(self, scene: Scene) -> Scene:
         """Return a scene, such as the bare one with another range, with what is to be found."""
-        hidden = plain(self.scene)
-        return edit(scene, {name: hidden.get(name, []) for name in ("targets", "volumes")})
+        return edit(scene, {name: plain(self.scene).get(name, []) for name in ("targets", "volumes")})
 
 
 def make_exercise(name: str, seed: int | None = None) -> dict[str, Any]:
     """Draw an exercise from a specification: the content of its file."""
     changes = {} if seed is None else {"seed": seed}
-    wanted = read_specification(name, ExerciseSpecification, FOLDER, **changes)
-    draws = Draws(wanted.seed, 0)
-    drawn: dict[str, Any] = {
-        "seed": draws.seed("seed"),
-        "title": wanted.title,
-        "description": wanted.task,
-        "targets": [],
-    }
-    drawn |= {path: draws.value(path, value) for path, value in wanted.set.items()}
-    scene = edit(load_scene(wanted.base), drawn)
-    corners = np.array(wanted.area)
-    targets: list[dict[str, Any]] = []
-    places: list[tuple[float, float]] = []
-    groups = [(group, n) for group in wanted.targets for n in range(_count(draws, f"{group.name}.count", group.count))]
-    for group, number in groups:
-        path = f"targets.{group.name}.{number}"
-        shape = draws.value(f"{path}.of", group.of[int(draws.share(f"{path}.of") * len(group.of))])
-        shape = {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape)
-        values = {field: draws.value(f"{path}.{field}", value) for field, value in group.set.items()}
-        places.append(_place(draws, path, corners, places))
-        targets.append({**shape, **values, "position": list(places[-1])})
-    schools = []
-    for number in range(_count(draws, "fish.count", wanted.fish.count)):
-        path = f"fish.{number}"
+    wanted = read_specification(name, ExerciseSpecification, "exercises", **changes)
+    draws, corners = Draws(wanted.seed, 0), np.array(wanted.area)
+    drawn = {path: draws.value(path, value) for path, value in wanted.set.items()}
+    drawn |= {"seed": draws.seed("seed"), "title": wanted.title, "description": wanted.task, "targets": []}
+    scene, places = edit(load_scene(wanted.base), drawn), list[tuple[float, float]]()
+    groups, targets, schools = [], [], []
+    for group in wanted.targets:
+        for path in _each(draws, f"targets.{group.name}", group.count):
+            shape = draws.value(f"{path}.of", group.of[int(draws.share(f"{path}.of") * len(group.of))])
+            target = {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape)
+            target |= {field: draws.value(f"{path}.{field}", value) for field, value in group.set.items()}
+            places.append(_place(draws, path, corners, places))
+            targets.append(target | {"position": list(places[-1])})
+            groups.append(group)
+    for path in _each(draws, "fish", wanted.fish.count):
         values = {field: draws.value(f"{path}.{field}", value) for field, value in wanted.fish.set.items()}
         z = -scene.seabed.depth * (SHALLOWEST + (DEEPEST - SHALLOWEST) * draws.share(f"{path}.z"))
         schools.append({"kind": "school", **values, "position": [*_place(draws, path, corners, []), z]})
     scene = edit(scene, {"targets": targets, "volumes": schools})
-    hidden = [
-        Hidden(group.name, group.wanted, *place, 2.0 * target.outline.extent((0.0, 0.0, 1.0)) + _gap(target))
-        for (group, _), place, target in zip(groups, places, scene.targets)
-    ]
+    heights = [2.0 * each.outline.extent((0.0, 0.0, 1.0)) + float(getattr(each, "gap", 0.0)) for each in scene.targets]
+    hidden = [Hidden(each.name, each.wanted, *place, height) for each, place, height in zip(groups, places, heights)]
     current = [float(draws.value(f"current.{axis}", value)) for axis, value in enumerate(wanted.current)]
-    public = {name: getattr(wanted, name) for name in ("title", "task", "minutes", "tolerance")}
-    public |= {"area": corners.tolist()} | _on_earth(scene, corners)
-    return public | seal({"scene": plain(scene), "hidden": hidden, "current": current})
+    content = {name: getattr(wanted, name) for name in ("title", "task", "minutes", "tolerance")}
+    content["area"], place = corners.tolist(), scene.georeference
+    if place is not None and place.crs:  # for survey programs
+        content["area_on_earth"] = np.round(np.stack(to_degrees(place, *corners.T), axis=1), 7).tolist()
+    return content | seal({"scene": plain(scene), "hidden": hidden, "current": current})
 
 
 def write_exercise(path: Path, content: dict[str, Any]) -> None:
@@ -151,17 +139,9 @@ def read_exercise(path: str | Path) -> Exercise:
         if Path(path).suffix.lower() != SUFFIX:
             raise FileFault("is not an exercise", f"give a file that ends in {SUFFIX}")
         table = parse_toml(read_text(path, largest=LARGEST_TOML))
-        values = unseal(table)
-        return Exercise(
-            title=table["title"],
-            task=table["task"],
-            minutes=float(table["minutes"]),
-            area=np.array(table["area"], dtype=np.float64),
-            tolerance=float(table["tolerance"]),
-            scene=build(values["scene"]),
-            hidden=tuple(Hidden(*each) for each in values["hidden"]),
-            current=tuple(values["current"]),
-        )
+        values, known = unseal(table), {name: table[name] for name in ("title", "task", "minutes", "tolerance")}
+        known["area"], known["scene"] = np.array(table["area"], dtype=np.float64), build(values["scene"])
+        return Exercise(**known, hidden=tuple(Hidden(*each) for each in values["hidden"]), current=values["current"])
     except (FileFault, OSError) as fault:
         raise SceneError(f"{Path(path).name}: {fault}") from None
     except (KeyError, TypeError, ValueError) as error:
@@ -176,11 +156,12 @@ def lie_within(corners: Floats, points: Floats) -> Booleans:
     return np.asarray(points_in_poly(points, corners), np.bool_)  # type: ignore[no-untyped-call]
 
 
-def _count(draws: Draws, path: str, declared: Any) -> int:
-    count = draws.value(path, declared)
+def _each(draws: Draws, path: str, declared: Any) -> list[str]:
+    """Paths of as many as are drawn."""
+    count = draws.value(f"{path}.count", declared)
     if not (isinstance(count, int) and 0 <= count <= 1000):
-        raise SceneError(f"{path}: {count!r} is not a number; give 0 to 1000")
-    return count
+        raise SceneError(f"{path}.count: {count!r} is not a number; give 0 to 1000")
+    return [f"{path}.{number}" for number in range(count)]
 
 
 def _place(draws: Draws, path: str, corners: Floats, taken: list[tuple[float, float]]) -> tuple[float, float]:
@@ -188,22 +169,7 @@ def _place(draws: Draws, path: str, corners: Floats, taken: list[tuple[float, fl
     low, high = corners.min(axis=0) + EDGE, corners.max(axis=0) - EDGE
     for attempt in range(ATTEMPTS):
         shares = [draws.share(f"{path}.{attempt}.{axis}") for axis in "xy"]
-        x, y = (round(float(value), DIGITS) for value in low + (high - low) * shares)
-        if lie_within(corners, np.array([[x, y]]))[0] and all(math.dist((x, y), other) > CLEARANCE for other in taken):
+        x, y = (round(float(value), 3) for value in low + (high - low) * shares)
+        if lie_within(corners, np.array([[x, y]]))[0] and all(math.dist((x, y), each) > CLEARANCE for each in taken):
             return x, y
     raise SceneError(f"{path}: finds no free place in the area; make it larger or lower count")
-
-
-def _gap(target: Any) -> float:
-    """Height of a target's underside above the bed."""
-    gap = getattr(target, "gap", 0.0)
-    return gap if isinstance(gap, float) else 0.0
-
-
-def _on_earth(scene: Scene, corners: Floats) -> dict[str, Any]:
-    """Corners as longitude and latitude, for survey programs, where the scene has a place."""
-    place = scene.georeference
-    if place is None or not place.crs:
-        return {}
-    degrees = np.stack(to_degrees(place, *corners.T), axis=1)
-    return {"area_on_earth": np.round(degrees, 7).tolist()}

@@ -1,4 +1,4 @@
-"""Marks of an exercise: what a student's contacts and records say, beside the truth."""
+"""Marks of an exercise: a student's contacts and records beside the truth."""
 
 import csv
 import io
@@ -20,7 +20,7 @@ from insonify.io.records import read_record
 
 LARGEST = 2**27  # bytes of a file of contacts
 CELL = 0.5  # m, of the grid on which coverage is counted
-# Names of a column or a property in files of various programs, the first that there is.
+# Names of a column or a property in files of various programs; the first that there is counts.
 NAMES = {
     "name": ("name", "label", "id", "contact"),
     "x": ("x", "easting"),
@@ -75,24 +75,22 @@ class Marks(NamedTuple):
 
 
 def mark_contacts(exercise: Exercise, contacts: Sequence[Found], tracks: Iterable[Track] = ()) -> Marks:
-    """Compare contacts with the truth: each belongs to the target that is nearest within the tolerance."""
+    """Compare contacts with the truth: as many targets as possible get one, the nearest within the tolerance."""
     # lazy: slow to import
     from scipy.optimize import linear_sum_assignment
 
     targets, laid = exercise.hidden, list(tracks)
-    away = np.array([[math.dist(one[1:3], target[2:4]) for target in targets] for one in contacts])
+    away = np.array([[Match(one, target).away for target in targets] for one in contacts])
     away = away.reshape(len(contacts), len(targets))
-    # A pair beyond the tolerance costs more than all others together, so that as many as possible are within it.
-    cost = np.where(away <= exercise.tolerance, away, 1e6)
-    pairs = [(int(i), int(j)) for i, j in zip(*linear_sum_assignment(cost)) if cost[i, j] < 1e6]
-    matches = {i: Match(contacts[i], targets[j]) for i, j in pairs}
-    rest = [i for i in range(len(contacts)) if i not in matches]
+    cost = np.where(away <= exercise.tolerance, away, 1e6)  # beyond it, more than all others together
+    pairs = {int(i): int(j) for i, j in zip(*linear_sum_assignment(cost)) if cost[i, j] < 1e6}
+    matches = [Match(contacts[i], targets[j]) for i, j in pairs.items()]
+    rest = [i for i in range(len(contacts)) if i not in pairs]
     again = [i for i in rest if away[i].min(initial=math.inf) <= exercise.tolerance]
-    seen = {j for _, j in pairs}
     return Marks(
-        [match for match in matches.values() if match.target.wanted],
-        [target for j, target in enumerate(targets) if target.wanted and j not in seen],
-        [match for match in matches.values() if not match.target.wanted],
+        [match for match in matches if match.target.wanted],
+        [target for j, target in enumerate(targets) if target.wanted and j not in pairs.values()],
+        [match for match in matches if not match.target.wanted],
         [Match(contacts[i], targets[int(away[i].argmin())]) for i in again],
         [contacts[i] for i in rest if i not in again],
         _coverage(exercise.area, laid) if laid else math.nan,
@@ -102,22 +100,22 @@ def mark_contacts(exercise: Exercise, contacts: Sequence[Found], tracks: Iterabl
 
 def describe_marks(exercise: Exercise, marks: Marks) -> list[str]:
     """Lines that tell the student."""
-    wanted = len(marks.found) + len(marks.missed)
-    lines = [
-        f"{exercise.title}: {len(marks.found)} of {wanted} found, {len(marks.missed)} missed, "
-        f"{len(marks.false)} false, {len(marks.others)} of other things, {len(marks.repeated)} repeated"
-    ]
+    counts = (len(marks.found), len(marks.found) + len(marks.missed), len(marks.missed), len(marks.false))
+    lines = ["{}: {} of {} found, {} missed, {} false".format(exercise.title, *counts)]
+    lines[0] += f", {len(marks.others)} of other things, {len(marks.repeated)} repeated"
     for match in (*marks.found, *marks.others):
-        height = match.found.height - match.target.height
-        tall = "" if math.isnan(height) else f", height {height:+.2f} m of {match.target.height:.2f} m"
+        over = match.found.height - match.target.height
+        tall = "" if math.isnan(over) else f", height {over:+.2f} m of {match.target.height:.2f} m"
         lines.append(f"  {match.found.name}: {match.target.name}, {match.away:.2f} m away{tall}")
     lines += [f"  {match.found.name}: {match.target.name} again" for match in marks.repeated]
     lines += [f"  {one.name}: nothing lies at {one.x:.1f}, {one.y:.1f}" for one in marks.false]
     lines += [f"  missed: {one.name} at {one.x:.1f}, {one.y:.1f}, {one.height:.2f} m high" for one in marks.missed]
     if marks.found:
-        heights = [each.found.height - each.target.height for each in marks.found if not math.isnan(each.found.height)]
-        tall = f", of heights {_rms(heights):.2f} m over {len(heights)}" if heights else ""
-        lines.append(f"rms error of positions {_rms([each.away for each in marks.found]):.2f} m{tall}")
+        errors = np.array([match.found.height - match.target.height for match in marks.found])
+        errors = errors[np.isfinite(errors)]
+        tall = f", of heights {np.sqrt(np.mean(errors**2)):.2f} m over {errors.size}" if errors.size else ""
+        rms = np.sqrt(np.mean([match.away**2 for match in marks.found]))
+        lines.append(f"rms error of positions {rms:.2f} m{tall}")
     if not math.isnan(marks.coverage):
         minutes = marks.seconds / 60.0
         late = f", {minutes - exercise.minutes:.1f} over" if minutes > exercise.minutes else ""
@@ -126,22 +124,38 @@ def describe_marks(exercise: Exercise, marks: Marks) -> list[str]:
     return lines
 
 
-def read_contacts_of(exercise: Exercise, path: Path) -> list[Found]:
-    """Read contacts by the suffix of a file, of the viewer or of another program: CSV or GeoJSON."""
+def read_found(exercise: Exercise, path: Path) -> list[Found]:
+    """Read contacts of the viewer or of another program by the suffix of their file."""
+    kinds = f"give {CSV} or {GEOJSON} with columns longitude and latitude, or x and y"
     try:
         text = read_text(path, largest=LARGEST)
         if path.suffix.lower() == CSV:
             rows: list[dict[Any, Any]] = list(csv.DictReader(io.StringIO(text)))
-        elif path.suffix.lower() in (GEOJSON, ".json"):
-            rows = [_properties(feature) for feature in json.loads(text)["features"]]
+        elif path.suffix.lower() == GEOJSON:
+            features = json.loads(text)["features"]
+            points = (((each.get("geometry") or {}).get("coordinates") or ()) for each in features)
+            rows = [dict(zip(("lon", "lat"), at)) | dict(each["properties"]) for at, each in zip(points, features)]
         else:
-            raise FileFault("is no list of contacts by its suffix", f"give {CSV} or {GEOJSON}")
-        return [_found(exercise, number, row) for number, row in enumerate(rows, start=1)]
+            raise FileFault("is no list of contacts by its suffix", kinds)
+        return [_found(exercise, number, row, kinds) for number, row in enumerate(rows, start=1)]
     except (FileFault, OSError) as fault:
         raise SceneError(f"{path.name}: {fault}") from None
-    except (ValueError, LookupError, TypeError, AttributeError, csv.Error, RecursionError) as error:
-        wrong = str(error) if isinstance(error, _PlaceError) else "is not a list of contacts"
-        raise SceneError(f"{path.name}: {wrong}; give columns longitude and latitude, or x and y") from None
+    except (ValueError, LookupError, TypeError, AttributeError, csv.Error, RecursionError):
+        raise SceneError(f"{path.name}: is not a list of contacts; {kinds}") from None
+
+
+def _found(exercise: Exercise, number: int, row: dict[Any, Any], kinds: str) -> Found:
+    """Contact of one row; its place on Earth counts where there is one."""
+    cells = {str(key).strip().lower(): value for key, value in row.items() if value not in (None, "")}
+    known = {name: next((cells[key] for key in keys if key in cells), None) for name, keys in NAMES.items()}
+    name = str(known.pop("name") or f"contact {number}")
+    x, y, longitude, latitude, height = (math.nan if value is None else float(value) for value in known.values())
+    place = exercise.scene.georeference
+    if math.isfinite(longitude + latitude) and place is not None and place.crs:
+        x, y = (float(each[0]) for each in from_degrees(place, np.array([longitude]), np.array([latitude])))
+    if not math.isfinite(x + y):
+        raise FileFault(f"contact {number} has no place", kinds)
+    return Found(name, x, y, height)
 
 
 def read_track(exercise: Exercise, name: str) -> Track:
@@ -150,35 +164,8 @@ def read_track(exercise: Exercise, name: str) -> Track:
     x, y = (record[f"platform_{axis}"].values.astype(np.float64) for axis in "xy")
     if "platform_longitude" in record and place is not None and place.crs:
         x, y = from_degrees(place, record["platform_longitude"].values, record["platform_latitude"].values)
-    times = record["ping_time"].values
-    reach = float(record["slant_range"].values[-1])
-    return Track(x, y, float(np.nanmedian(record["platform_altitude"].values)), reach, float(times[-1] - times[0]))
-
-
-class _PlaceError(ValueError):
-    pass
-
-
-def _properties(feature: dict[str, Any]) -> dict[str, Any]:
-    point = (feature.get("geometry") or {}).get("coordinates") or ()
-    return dict(zip(("longitude", "latitude"), point)) | dict(feature["properties"])
-
-
-def _found(exercise: Exercise, number: int, row: dict[Any, Any]) -> Found:
-    """Contact of one row; its place on Earth counts where there is one."""
-    given = {str(key).strip().lower(): value for key, value in row.items()}
-    known = {
-        name: next((given[key] for key in keys if given.get(key) not in (None, "")), None)
-        for name, keys in NAMES.items()
-    }
-    numbers = {name: math.nan if value is None else float(value) for name, value in known.items() if name != "name"}
-    x, y, place = numbers["x"], numbers["y"], exercise.scene.georeference
-    if math.isfinite(numbers["longitude"]) and math.isfinite(numbers["latitude"]) and place is not None and place.crs:
-        east, north = from_degrees(place, *(np.array([numbers[name]]) for name in ("longitude", "latitude")))
-        x, y = float(east[0]), float(north[0])
-    if not (math.isfinite(x) and math.isfinite(y)):
-        raise _PlaceError(f"contact {number} has no place")
-    return Found(str(known["name"] or f"contact {number}"), x, y, numbers["height"])
+    times, altitude = record["ping_time"].values, float(np.nanmedian(record["platform_altitude"].values))
+    return Track(x, y, altitude, float(record["slant_range"].values[-1]), float(times[-1] - times[0]))
 
 
 def _coverage(corners: Floats, tracks: Iterable[Track]) -> float:
@@ -189,21 +176,15 @@ def _coverage(corners: Floats, tracks: Iterable[Track]) -> float:
     within = lie_within(corners, np.stack([x.ravel(), y.ravel()], axis=1)).reshape(rows, columns)
     seen = np.zeros((rows, columns), bool)
     for track in tracks:
-        along = np.concatenate([[0.0], np.hypot(np.diff(track.x), np.diff(track.y)).cumsum()])
-        moves = np.concatenate([[True], np.diff(along) > 0.0])
+        along = np.hypot(np.diff(track.x, prepend=track.x[0]), np.diff(track.y, prepend=track.y[0])).cumsum()
         steps = np.arange(0.0, along[-1], 0.5 * CELL)
-        east, north = (np.interp(steps, along[moves], column[moves]) for column in (track.x, track.y))
         if steps.size < 2:
             continue
-        course = np.arctan2(np.gradient(north), np.gradient(east))[:, None]
+        place = np.interp(steps, along, track.x) + 1j * np.interp(steps, along, track.y)
+        aside = 1j * np.exp(1j * np.angle(np.gradient(place)))
         reach = math.sqrt(max(track.slant_range**2 - track.altitude**2, 0.0))
-        across = np.arange(-reach, reach, 0.5 * CELL)
-        column = np.floor((east[:, None] - np.sin(course) * across - low[0]) / CELL).astype(np.int64)
-        row = np.floor((north[:, None] + np.cos(course) * across - low[1]) / CELL).astype(np.int64)
+        swath = place[:, None] + aside[:, None] * np.arange(-reach, reach, 0.5 * CELL) - complex(*low)
+        column, row = (np.floor(part / CELL).astype(np.int64) for part in (swath.real, swath.imag))
         inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
         seen[row[inside], column[inside]] = True
     return float((seen & within).sum() / within.sum())
-
-
-def _rms(values: Sequence[float]) -> float:
-    return math.sqrt(sum(value**2 for value in values) / len(values))

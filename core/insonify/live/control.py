@@ -34,8 +34,8 @@ def obey(tow: Tow, request: Any) -> dict[str, Any]:
         "stop": lambda _: tow.stop(),
     }
     kinds = {"ping": dict, "set": dict, "steer": dict}
-    pairs: list[tuple[str, Any]] = list(request.items()) if isinstance(request, dict) else []
-    name, value = pairs[0] if len(pairs) == 1 else ("", None)
+    pair: Any = next(iter(request.items())) if isinstance(request, dict) and len(request) == 1 else ("", None)
+    name, value = pair
     if name not in known or not isinstance(value, kinds.get(name, bool)):
         raise SceneError(f'a request is one of {", ".join(known)} or stream with its value, such as {{"pause": true}}')
     number = value.pop("number", 0) if name == "ping" else 0
