@@ -33,7 +33,7 @@ def obey(tow: Tow, request: Any) -> dict[str, Any]:
         "pause": tow.pause,
         "stop": lambda _: tow.stop(),
     }
-    kinds = {"ping": dict, "set": dict, "steer": dict}
+    kinds: dict[str, Any] = {"ping": dict, "set": dict, "steer": dict}
     pair: Any = next(iter(request.items())) if isinstance(request, dict) and len(request) == 1 else ("", None)
     name, value = pair
     if name not in known or not isinstance(value, kinds.get(name, bool)):
