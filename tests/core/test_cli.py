@@ -25,7 +25,10 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
     ("command", "expected"),
     [
         ("render atlantis -o x.png", "no such file; give a TOML file or one of breaks-beats"),
-        ("render default -o x.jpg", "'.jpg' is not written by this command; end the name in .png or .nc or .npz"),
+        (
+            "render default -o x.jpg",
+            "'.jpg' is not written by this command; end the name in .png or .jsf or .nc or .npz",
+        ),
         ("render default -o x", "'' is not written by this command"),
         ("render default -o nowhere/x.png", "there is no folder 'nowhere'; create it"),
         ("render default -o .", "is a folder; give the name of a file in it"),

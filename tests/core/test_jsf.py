@@ -221,6 +221,36 @@ def test_a_written_record_is_what_an_independent_parser_and_this_reader_find(tmp
     assert (read.attrs["frequency"], read.attrs["time_coverage_start"]) == (900e3, "2024-02-29T23:59:59.500000")
 
 
+@pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_programs_of_others_draw_the_same_picture_of_both_formats(tmp_path):
+    pytest.importorskip("pingverter")
+    pyjsf = pytest.importorskip("pyjsf")
+    import pingverter
+
+    # Weight 0, so that the numbers in both files are the amplitudes.
+    record = made_record(np.maximum(random_counts(11), 2.0**14 * (np.arange(40) == 3)))
+    for name in ("a.jsf", "a.xtf"):
+        write_record(tmp_path / name, [record])
+    exact = np.sqrt(record.intensity.values)
+    read = [each for each in pyjsf.jsf_read(tmp_path / "a.jsf") if each[0].message_type == 80]
+    np.testing.assert_array_equal(
+        [[data.data for head, _, data in read if head.channel_number == k] for k in (0, 1)], exact
+    )
+    _, pings = packets(tmp_path / "a.xtf")
+    xtf = np.array([[ping.data[side][:: 2 * side - 1] for ping in pings] for side in (0, 1)])
+    np.testing.assert_array_equal(xtf, exact)
+    table = pingverter.jsf2pingmapper(str(tmp_path / "a.jsf"), str(tmp_path / "out")).header_dat
+    content = (tmp_path / "a.jsf").read_bytes()
+    for beam, side in ((2, 0), (3, 1)):
+        rows = table[table.beam == beam]
+        places = zip(rows["index"] + rows["son_offset"], rows["ping_cnt"])
+        np.testing.assert_array_equal([np.frombuffer(content, "<i2", count, at) for at, count in places], exact[side])
+        np.testing.assert_allclose(rows["pixM"], 0.05, rtol=1e-4)
+        np.testing.assert_allclose(np.diff(rows["time_s"]), 0.25, atol=1e-6)
+        np.testing.assert_allclose(rows["lat"], [ping.SensorYcoordinate for ping in pings], atol=1e-6)
+        np.testing.assert_allclose(rows["pitch"], record.platform_pitch, atol=0.003)
+
+
 def test_what_is_not_known_is_not_valid_and_a_made_up_place_is_said(tmp_path):
     record = made_record(np.zeros((3, 2, 70_000)))
     unknown = ["platform_altitude", "platform_heading", "platform_depth"]

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from insonify.cards import make_card, quote_text
 from insonify.packing.packed_scene import Model
 from insonify.tracers.base import find_tracer
 from insonify.tracers.plane_counts import Goal
@@ -82,6 +83,11 @@ class Plan:
             for entry in self.entries
             if entry.modelled is modelled
         ]
+
+    def _repr_html_(self) -> str:
+        """Describe the plan in a notebook."""
+        facts = [("method", self.method), ("estimated error", percent(self.error))]
+        return make_card("Plan", facts, quote_text("\n".join(self.lines())))
 
 
 def percent(error: float) -> str:
