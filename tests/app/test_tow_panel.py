@@ -79,12 +79,12 @@ def test_an_exercise_is_surveyed_and_marked(open_viewer: Any, small: Scene, exer
 def test_the_live_tow_runs_beside_the_window(open_viewer: Any, small: Scene, qtbot: QtBot) -> None:
     viewer: Viewer = open_viewer(small)
     panel = panel_of(viewer)
-    for port in panel.view.ports:
+    for port in panel.view.ports.values():
         with socket.create_server(("127.0.0.1", 0)) as free:
             port.setValue(free.getsockname()[1])
     panel.view.live.click()
     (job,) = viewer.jobs.running
-    port = panel.view.ports[2].value()
+    port = panel.view.ports["Control"].value()
 
     def answer() -> bool:
         try:

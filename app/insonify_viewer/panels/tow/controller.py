@@ -29,11 +29,10 @@ class TowPanel(Panel):
     button = Button("Tow", "Steer the tow, send it to survey programs, or survey an exercise", "Ctrl+T", menu="Tools")
 
     def __init__(self, workbench: Workbench) -> None:
-        self._workbench = workbench
+        self._workbench, self._opened = workbench, workbench.session.opened
         self._exercise: Exercise | None = None
         self._file = ""
         self._wanted: tuple[Exercise, str] | None = None  # an exercise and its file while its scene is being opened
-        self._opened: Scene | None = workbench.session.opened
         self.view = TowView()
         self.view.steered.connect(self.steer)
         self.view.live_wanted.connect(self.go_live)
@@ -42,27 +41,25 @@ class TowPanel(Panel):
 
     def steer(self, turn: int, faster: int) -> None:
         """Turn more to port for a positive step, to starboard for a negative one, straight for 0; or change speed."""
-        helm, tow, scene = self._workbench.tow.helm, self._workbench.tow, self._workbench.session.scene
-        if helm is None:
-            helm = Helm(scene, tow.newest)
-            self._follow(helm)
+        tow = self._workbench.tow
+        if tow.helm is None:
+            self._follow(Helm(self._workbench.session.scene, tow.newest))
+        helm = tow.helm
+        assert helm is not None
         if faster:
             helm.speed = min(max(helm.speed + faster * FASTER, SLOWEST), FASTEST)
         else:
             helm.turn = min(max(helm.turn + turn * TURN, -FASTEST_TURN), FASTEST_TURN) if turn else 0.0
         self._show_helm()
 
-    def go_live(self, jsf: int, nmea: int, control: int) -> None:
+    def go_live(self, ports: dict[str, int]) -> None:
         """Send the present scene, or the exercise, to survey programs; the list of jobs stops it."""
         work = self._workbench
-        scene = self._file if self._exercise else work.jobs.write_scene(work.session.scene)
-        ports = [
-            word
-            for name, port in (("jsf", jsf), ("nmea", nmea), ("control", control))
-            for word in (f"--{name}", str(port))
-        ]
-        work.jobs.begin("live tow", ["tow", scene, *ports], None)
-        work.say(f"live on this machine: JSF on port {jsf}, NMEA 0183 on {nmea}, control on {control}; Jobs stops it")
+        scene = self._file or work.jobs.write_scene(work.session.scene)
+        options = [word for name, port in ports.items() for word in (f"--{name.lower()}", str(port))]
+        work.jobs.begin("live tow", ["tow", scene, *options], None)
+        told = ", ".join(f"{name} on port {port}" for name, port in ports.items())
+        work.say(f"live on this machine: {told}; Jobs stops it")
 
     def open_exercise(self, path: str) -> None:
         """Open an exercise: what is hidden there stays hidden from the window, and echoes in the record."""
@@ -70,12 +67,10 @@ class TowPanel(Panel):
         from insonify.exercises.exercise import read_exercise
 
         try:
-            exercise = read_exercise(path)
+            self._wanted = read_exercise(path), path
+            self._workbench.open_scene(self._wanted[0].bare, "", ask=True)
         except SceneError as error:
             self._workbench.complain(error)
-            return
-        self._wanted = exercise, path
-        self._workbench.open_scene(exercise.bare, "", ask=True)
         self._wanted = None
 
     def mark(self) -> None:
@@ -83,35 +78,30 @@ class TowPanel(Panel):
         # lazy: loads Numba; the window opens before
         from insonify.exercises.marking import Found, Track, describe_marks, mark_contacts
 
-        exercise, tow = self._exercise, self._workbench.tow
-        if exercise is None or tow.helm is None:
-            return
-        contacts = [
-            Found(each.name, each.x, each.y, math.nan if each.height is None else each.height)
-            for each in self._workbench.contacts.all
-            if each.x is not None and each.y is not None
-        ]
-        scene, line = exercise.scene, tow.helm.line(np.arange(tow.helm.newest + 1))
-        seconds = tow.helm.newest / scene.sonar.ping_rate
-        track = Track(line.x, line.y, scene.altitude, scene.sonar.range, seconds)
-        self.view.show_marks("\n".join(describe_marks(exercise, mark_contacts(exercise, contacts, [track]))))
+        exercise, helm = self._exercise, self._workbench.tow.helm
+        if exercise is not None and helm is not None:
+            contacts = [
+                Found(each.name, each.x, each.y, math.nan if each.height is None else each.height)
+                for each in self._workbench.contacts.all
+                if each.x is not None and each.y is not None
+            ]
+            scene, line = exercise.scene, helm.line(np.arange(helm.newest + 1))
+            track = Track(line.x, line.y, scene.altitude, scene.sonar.range, helm.newest / scene.sonar.ping_rate)
+            self.view.show_marks("\n".join(describe_marks(exercise, mark_contacts(exercise, contacts, [track]))))
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Begin the exercise whose scene is opened; leave an exercise and a helm with their scene."""
-        opened = self._workbench.session.opened
-        if opened is self._opened:
+        if self._workbench.session.opened is self._opened:
             return
-        self._opened = opened
-        self._exercise, self._file = self._wanted or (None, "")
-        if self._exercise is None:
-            self._follow(None)
-            self.view.show_exercise("", "")
-            return
-        helm = Helm(scene, 0, self._exercise.current)
-        helm.advance(pings_held(scene) - 1)
+        self._opened = self._workbench.session.opened
+        self._exercise, self._file = exercise, _ = self._wanted or (None, "")
+        helm = None
+        if exercise is not None:
+            helm = Helm(scene, 0, exercise.current)
+            helm.advance(pings_held(scene) - 1)
+            self._workbench.open_panel(self.name)
         self._follow(helm)
-        self.view.show_exercise(self._exercise.title, self._exercise.task)
-        self._workbench.open_panel(self.name)
+        self.view.show_exercise("" if exercise is None else f"{exercise.title}\n\n{exercise.task}")
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Show where the tow is by now."""
@@ -124,17 +114,15 @@ class TowPanel(Panel):
         self._show_helm()
 
     def _show_helm(self) -> None:
-        helm = self._workbench.tow.helm
-        if helm is None:
-            self.view.show_helm("")
-            return
-        at, rate = helm.line(np.array([helm.newest])), self._workbench.session.scene.sonar.ping_rate
-        compass = (90.0 - math.degrees(float(at.heading[0]))) % 360.0
-        way = f"{abs(helm.turn):g}°/s to {'port' if helm.turn > 0.0 else 'starboard'}" if helm.turn else "straight"
-        place = f"x {at.x[0]:.0f} m, y {at.y[0]:.0f} m"
-        minutes = helm.newest / rate / 60.0
-        limit = f" of {self._exercise.minutes:g}" if self._exercise else ""
-        self.view.show_helm(f"{place}, {compass:03.0f}°, {way}, {helm.speed:g} m/s, {minutes:.1f}{limit} min")
+        helm, text = self._workbench.tow.helm, ""
+        if helm is not None:
+            x, y, heading = (float(column[0]) for column in helm.line(np.array([helm.newest])))
+            compass = (90.0 - math.degrees(heading)) % 360.0
+            way = f"{abs(helm.turn):g}°/s to {'port' if helm.turn > 0.0 else 'starboard'}" if helm.turn else "straight"
+            minutes = helm.newest / self._workbench.session.scene.sonar.ping_rate / 60.0
+            limit = f" of {self._exercise.minutes:g}" if self._exercise else ""
+            text = f"x {x:.0f} m, y {y:.0f} m, {compass:03.0f}°, {way}, {helm.speed:g} m/s, {minutes:.1f}{limit} min"
+        self.view.show_helm(text)
 
 
 def _steered(helm: Helm, exercise: "Exercise | None", simulation: Simulation) -> Simulation:

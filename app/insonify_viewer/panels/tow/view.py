@@ -16,47 +16,35 @@ STEERING = (  # text, tip, key, steps to port and of speed
     ("Slower", "Tow more slowly", "Ctrl+Down", (0, -1)),
 )
 PORTS = {"JSF": 4000, "NMEA": 4001, "Control": 4002}
+LIVE = "Tow over this scene in real time, for survey programs on this machine"
 
 
 class TowView(QWidget):
     """Shows how the tow is steered, and what is asked of the person."""
 
     steered = Signal(int, int)
-    live_wanted = Signal(int, int, int)
+    live_wanted = Signal(dict)  # ports by their names
     marks_wanted = Signal()
 
     def __init__(self) -> None:
         super().__init__()
-        self.keys = [
-            make_action(self, f"Steer: {text.lower()}", tip, key, partial(self.steered.emit, *steps))
-            for text, tip, key, steps in STEERING
-        ]
-        steering = [
-            push_button(text, action.toolTip(), action.trigger) for (text, *_), action in zip(STEERING, self.keys)
-        ]
-        self._helm = make_label("")
-        self.ports = [
-            make(QSpinBox, minimum=1024, maximum=65535, value=port, prefix=f"{name} ", toolTip=tip, accessibleName=tip)
-            for name, port, tip in ((name, port, f"Port of {name}") for name, port in PORTS.items())
-        ]
-        self.live = push_button(
-            "Live", "Tow over this scene in real time, for survey programs on this machine", self._go_live
-        )
+        self.keys, buttons = [], []
+        for text, tip, key, steps in STEERING:
+            self.keys.append(make_action(self, f"Steer: {text.lower()}", tip, key, partial(self.steered.emit, *steps)))
+            buttons.append(push_button(text, self.keys[-1].toolTip(), self.keys[-1].trigger))
+        self._helm, self._task, self._marks = make_label(""), make_label(""), make_label("")
+        self.ports = {}
+        for name, port in PORTS.items():
+            tip = f"Port of {name}"
+            box = make(QSpinBox, minimum=1024, maximum=65535, value=port, prefix=f"{name} ", toolTip=tip)
+            box.setAccessibleName(tip)
+            self.ports[name] = box
+        self.live = push_button("Live", LIVE, self._go_live)
         self.hand_in = push_button("Hand in the contacts", "Be marked: found, missed, false", self.marks_wanted.emit)
-        self._task, self._marks = make_label(""), make_label("")
-        fill(
-            QVBoxLayout(self),
-            fill(QHBoxLayout(), *steering[:3]),
-            fill(QHBoxLayout(), *steering[3:], None),
-            self._helm,
-            fill(QHBoxLayout(), *self.ports),
-            self.live,
-            self._task,
-            self.hand_in,
-            self._marks,
-            None,
-        )
-        self.show_exercise("", "")
+        rows = (fill(QHBoxLayout(), *some, None) for some in (buttons[:3], buttons[3:], self.ports.values()))
+        column = fill(QVBoxLayout(), *rows, self._helm, self.live, self._task, self.hand_in, self._marks, None)
+        self.setLayout(column)
+        self.show_exercise("")
 
     @property
     def marks(self) -> str:
@@ -67,15 +55,15 @@ class TowView(QWidget):
         """Show place, heading and speed of the tow."""
         self._helm.setText(text)
 
-    def show_exercise(self, title: str, task: str) -> None:
+    def show_exercise(self, task: str) -> None:
         """Show the task of an exercise, or that there is none."""
-        self._task.setText(f"{title}\n\n{task}".strip())
+        self._task.setText(task)
         self._marks.clear()
-        self.hand_in.setEnabled(bool(title))
+        self.hand_in.setEnabled(bool(task))
 
     def show_marks(self, text: str) -> None:
         """Show the marks."""
         self._marks.setText(text)
 
     def _go_live(self) -> None:
-        self.live_wanted.emit(*(port.value() for port in self.ports))
+        self.live_wanted.emit({name: box.value() for name, box in self.ports.items()})
