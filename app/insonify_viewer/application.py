@@ -18,6 +18,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.compiler.progress import watch_compilation
+from insonify.io.sealed import SUFFIX
 from insonify.lessons.lesson import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors import cause_of
@@ -48,7 +49,6 @@ def open_window(
     recording: str = "",
     pair: Arrangement | None = None,
     panel: str = "",
-    exercise: str = "",
 ) -> int:
     """Open the viewer, run it until it is closed, and return an exit code."""
     settings = Settings()
@@ -60,11 +60,11 @@ def open_window(
         keep_place(viewer)
         viewer.window.show()
         QTimer.singleShot(FRAMED, viewer.window.fit_screen)
-        _begin(viewer, pin, lesson, recording, pair, panel, exercise)
+        _begin(viewer, pin, lesson, recording, pair, panel)
         QTimer.singleShot(0, viewer.start)
         recovery = CrashRecovery(viewer.window, viewer.session, viewer.contacts, viewer.open)
         QTimer.singleShot(0, recovery.offer)
-        if not (settings.toured or pin or lesson or recording or pair or panel or exercise):
+        if not (settings.toured or pin or lesson or recording or pair or panel):
             settings.toured = True
             QTimer.singleShot(TOUR, viewer.window.tour.begin)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
@@ -88,17 +88,9 @@ def keep_place(viewer: Viewer) -> None:
 
 
 def _begin(
-    viewer: Viewer,
-    pin: Mark | None,
-    lesson: Lesson | None,
-    recording: str,
-    pair: Arrangement | None,
-    panel: str,
-    exercise: str,
+    viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None, panel: str
 ) -> None:
-    """Pin a pixel, begin a lesson or an exercise, open a recording, the scene's partner and a panel, if given."""
-    if exercise:
-        viewer.files.open(exercise)
+    """Pin a pixel, begin a lesson, open a recording or exercise, the scene's partner and a panel, if given."""
     viewer.inspection.pin(pin)
     if pin is not None:
         viewer.targets.handles.choose_at(pin)
@@ -110,7 +102,8 @@ def _begin(
         assert isinstance(lessons, LessonsPanel)
         lessons.begin(lesson)
     if recording:
-        QTimer.singleShot(0, lambda: viewer.recordings.open(recording))  # once the window is laid out
+        opener = viewer.files if recording.lower().endswith(SUFFIX) else viewer.recordings
+        QTimer.singleShot(0, lambda: opener.open(recording))  # once the window is laid out
     if pair is not None:
         viewer.window.open_panel(ComparisonPanel.name)
         viewer.comparison.open_partner()
@@ -131,7 +124,6 @@ def draw_window(
     recording: str = "",
     pair: Arrangement | None = None,
     panel: str = "",
-    exercise: str = "",
 ) -> None:
     """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters."""
     application = make_application()
@@ -141,7 +133,7 @@ def draw_window(
         viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
         viewer.window.show()
         viewer.tow.run(False)
-        _begin(viewer, pin, lesson, recording, pair, panel, exercise)
+        _begin(viewer, pin, lesson, recording, pair, panel)
         viewer.start()
         try:
             wait_for_picture(application, viewer)

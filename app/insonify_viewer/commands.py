@@ -94,9 +94,9 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
-    exercise = arguments.scene if arguments.scene.lower().endswith(SUFFIX) else ""
     lesson, scene = (None, options.chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
-    scene = edit(scene, {"targets": [], "volumes": []}) if exercise else scene  # all that its window shows
+    if arguments.scene.lower().endswith(SUFFIX):  # an exercise hides what is to be found from its window
+        scene, recording = edit(scene, {"targets": [], "volumes": []}), arguments.scene
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     pair = _pairing(scene, arguments)
     reason = why_no_window()
@@ -105,13 +105,13 @@ def run(arguments: argparse.Namespace) -> int:
             # lazy: loads Qt, which no other command needs
             from insonify_viewer.application import open_window
 
-            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel), exercise)
+            return open_window(scene, pin, lesson, recording, pair, _known_panel(arguments.panel))
     path = options.check_output(arguments.snapshot or options.free_name(options.FALLBACK), (".png",), "--snapshot")
     _leave_screen(reason)
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel), exercise)
+    draw_window(scene, path, pin, lesson, recording, pair, _known_panel(arguments.panel))
     if arguments.snapshot is None:
         sys.stderr.write(f"insonify: no window can be opened ({reason}); it was drawn into {path}\n")
         return options.NO_WINDOW

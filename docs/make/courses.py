@@ -60,7 +60,7 @@ PLANS = """
 ## A semester of 12 weeks
 
 Two hours a week: one with the lessons of the week, one for the exercise and its discussion. {unplanned}
-The courses end with a [survey exercise](exercise.md): tow over an area with hidden targets, hand in contacts, be marked.
+The courses end with a [survey exercise](exercise.md): survey hidden targets, hand in contacts, be marked.
 
 | week | subject | lessons | minutes | exercise |
 |---|---|---|---|---|

@@ -18,6 +18,7 @@ from insonify.io.sealed import SUFFIX, seal, unseal
 from insonify.scene import PLAIN_SCENE, Scene, edit, load_scene, plain
 from insonify.scene.base import Coordinate, Declaration, FilePath, Words, parameter
 from insonify.scene.edit import build
+from insonify.scene.volumes import VOLUMES, Volume
 from insonify.surveys.datasets.scenes import Draws
 from insonify.surveys.datasets.specification import TargetGroup
 from insonify.surveys.distributions import Drawn
@@ -25,20 +26,14 @@ from insonify.surveys.specification import read_specification
 
 ATTEMPTS = 500  # to place a target clear of the others
 CLEARANCE, EDGE = 6.0, 4.0  # m, between targets, and from the edge of the area's rectangle
-SHALLOWEST, DEEPEST = 0.3, 0.7  # of the depth, between which fish swim
+SHALLOWEST, DEEPEST = 0.3, 0.7  # of the depth, between which schools of fish swim
+MOST = 1000  # targets of a group
 
 
 class HiddenGroup(TargetGroup):
-    """Targets of one class, somewhere in the area."""
+    """Targets of one class, or schools of fish, somewhere in the area."""
 
     wanted: bool = parameter(False, "whether they are to be found; others are mistaken for them")
-
-
-class Fish(Declaration):
-    """Schools of fish, somewhere above the area."""
-
-    count: Drawn = parameter(0, "number of schools: a whole number, or a distribution")
-    set: dict[str, Drawn] = parameter({}, "fields of the school by their paths: values or distributions")
 
 
 class ExerciseSpecification(Declaration):
@@ -54,7 +49,6 @@ class ExerciseSpecification(Declaration):
     tolerance: float = parameter(3.0, "distance up to which a contact is that of a target", "m", gt=0.0)
     current: tuple[Drawn, Drawn] = parameter((0.0, 0.0), "drift along x and y: values or distributions", "m/s")
     targets: tuple[HiddenGroup, ...] = parameter(description="what is hidden", min_length=1)
-    fish: Fish = parameter(Fish, "schools of fish")
 
     @model_validator(mode="after")
     def _has_a_task(self) -> Self:
@@ -104,22 +98,25 @@ def make_exercise(name: str, seed: int | None = None) -> dict[str, Any]:
     drawn = {path: draws.value(path, value) for path, value in wanted.set.items()}
     drawn |= {"seed": draws.seed("seed"), "title": wanted.title, "description": wanted.task, "targets": []}
     scene, places = edit(load_scene(wanted.base), drawn), list[tuple[float, float]]()
-    groups, targets, schools = [], [], []
+    groups, found = [], {"targets": list[dict[str, Any]](), "volumes": list[dict[str, Any]]()}
     for group in wanted.targets:
-        for path in _each(draws, f"targets.{group.name}", group.count):
+        count = draws.value(f"targets.{group.name}.count", group.count)
+        if not (isinstance(count, int) and 0 <= count <= MOST):
+            raise SceneError(f"targets.{group.name}.count: {count!r} is not a number; give 0 to {MOST}")
+        for path in (f"targets.{group.name}.{number}" for number in range(count)):
             shape = draws.value(f"{path}.of", group.of[int(draws.share(f"{path}.of") * len(group.of))])
-            target = {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape)
-            target |= {field: draws.value(f"{path}.{field}", value) for field, value in group.set.items()}
+            shape = {"kind": "mesh", "path": shape} if isinstance(shape, str) else dict(shape)
+            shape |= {field: draws.value(f"{path}.{field}", value) for field, value in group.set.items()}
             places.append(_place(draws, path, corners, places))
-            targets.append(target | {"position": list(places[-1])})
-            groups.append(group)
-    for path in _each(draws, "fish", wanted.fish.count):
-        values = {field: draws.value(f"{path}.{field}", value) for field, value in wanted.fish.set.items()}
-        z = -scene.seabed.depth * (SHALLOWEST + (DEEPEST - SHALLOWEST) * draws.share(f"{path}.z"))
-        schools.append({"kind": "school", **values, "position": [*_place(draws, path, corners, []), z]})
-    scene = edit(scene, {"targets": targets, "volumes": schools})
+            if shape["kind"] in VOLUMES.models(Volume):
+                z = -scene.seabed.depth * (SHALLOWEST + (DEEPEST - SHALLOWEST) * draws.share(f"{path}.z"))
+                found["volumes"].append(shape | {"position": [*places[-1], z]})
+            else:
+                found["targets"].append(shape | {"position": list(places[-1])})
+                groups.append((group, places[-1]))
+    scene = edit(scene, found)
     heights = [2.0 * each.outline.extent((0.0, 0.0, 1.0)) + float(getattr(each, "gap", 0.0)) for each in scene.targets]
-    hidden = [Hidden(each.name, each.wanted, *place, height) for each, place, height in zip(groups, places, heights)]
+    hidden = [Hidden(each.name, each.wanted, *place, height) for (each, place), height in zip(groups, heights)]
     current = [float(draws.value(f"current.{axis}", value)) for axis, value in enumerate(wanted.current)]
     content = {name: getattr(wanted, name) for name in ("title", "task", "minutes", "tolerance")}
     content["area"], place = corners.tolist(), scene.georeference
@@ -154,14 +151,6 @@ def lie_within(corners: Floats, points: Floats) -> Booleans:
     from skimage.measure import points_in_poly
 
     return np.asarray(points_in_poly(points, corners), np.bool_)  # type: ignore[no-untyped-call]
-
-
-def _each(draws: Draws, path: str, declared: Any) -> list[str]:
-    """Paths of as many as are drawn."""
-    count = draws.value(f"{path}.count", declared)
-    if not (isinstance(count, int) and 0 <= count <= 1000):
-        raise SceneError(f"{path}.count: {count!r} is not a number; give 0 to 1000")
-    return [f"{path}.{number}" for number in range(count)]
 
 
 def _place(draws: Draws, path: str, corners: Floats, taken: list[tuple[float, float]]) -> tuple[float, float]:

@@ -21,32 +21,15 @@ HEADROOM = 3  # powers of 2 between the greatest amplitude of the first ping and
 FILE_ROOM = 512  # pings that wait for a disk
 FLOAT32 = 8  # a code of ``SonarImageData``
 # The definitions of marine_acoustic_msgs, without their remarks and constants.
-RAW_IMAGE = """std_msgs/Header header
-marine_acoustic_msgs/PingInfo ping_info
-float32 sample_rate
-uint32 samples_per_beam
-uint32 sample0
-float32[] tx_delays
-float32[] tx_angles
-float32[] rx_angles
-marine_acoustic_msgs/SonarImageData image
-{rule}
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-{rule}
-MSG: marine_acoustic_msgs/PingInfo
-float32 frequency
-float32 sound_speed
-float32[] tx_beamwidths
-float32[] rx_beamwidths
-{rule}
-MSG: marine_acoustic_msgs/SonarImageData
-bool is_bigendian
-uint32 dtype
-uint32 beam_count
-uint8[] data
-""".format(rule="=" * 80)
+RAW_IMAGE = f"{'=' * 80}\n".join((
+    "std_msgs/Header header\nmarine_acoustic_msgs/PingInfo ping_info\nfloat32 sample_rate\nuint32 samples_per_beam\n"
+    "uint32 sample0\nfloat32[] tx_delays\nfloat32[] tx_angles\nfloat32[] rx_angles\n"
+    "marine_acoustic_msgs/SonarImageData image\n",
+    "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n",
+    "MSG: marine_acoustic_msgs/PingInfo\nfloat32 frequency\nfloat32 sound_speed\nfloat32[] tx_beamwidths\n"
+    "float32[] rx_beamwidths\n",
+    "MSG: marine_acoustic_msgs/SonarImageData\nbool is_bigendian\nuint32 dtype\nuint32 beam_count\nuint8[] data\n",
+))  # fmt: skip
 
 
 def encode_jsf(live: LivePing) -> bytes:

@@ -75,25 +75,14 @@ class Tow:
     ----------
     scene : Scene
         What there is. Ping n of the first fish is ping n of its record, until it is steered.
-    fish : int
-        Number of towfish, up to 16.
-    apart : float
-        Distance between neighbours in metres; each is to starboard of the one before.
+    fish, apart
+        Number of towfish, up to 16, and metres between neighbours, each to starboard of the one before.
     times : float
         Seconds of the tow in a second.
     start : datetime, optional
         Time of the first ping, in UTC; now when left out.
     **how
         Arguments of `insonify.prepare`.
-
-    Attributes
-    ----------
-    helm : Helm or None
-        What steers; None on the scene's own track.
-    number : int
-        The next ping.
-    on_earth : bool
-        Whether the scene has a place; else it is in the sea north of Mallorca, until it is put elsewhere.
     """
 
     def __init__(
@@ -109,10 +98,10 @@ class Tow:
         if not 1 <= fish <= MOST_FISH:
             raise SceneError(f"fish: {fish} is out of bounds; give 1 to {MOST_FISH}")
         self.fish, self.apart, self.times, self.number = fish, apart, times, 0
-        self.helm: Helm | None = None
+        self.helm: Helm | None = None  # what steers; None on the scene's own track
         self.pacer: Pacer | None = None
         self.start, place = start or datetime.now(UTC).replace(tzinfo=None), scene.georeference
-        self.on_earth = place is not None and bool(place.crs)
+        self.on_earth = place is not None and bool(place.crs)  # else in the sea, until it is put elsewhere
         self.put_on_earth(place if place is not None and place.crs else NOWHERE)
         self._how, self.simulation = how, prepare_everywhere(scene, **how)
         self._last: Poses | None = None
@@ -151,15 +140,10 @@ class Tow:
         return self._describe(ping, poses, ping + OWN_NOISE * np.arange(self.fish), before)
 
     def ping(self, pose: Mapping[str, float], number: int = 0) -> LivePing:
-        """Trace one ping at any pose, beside those of the tow.
+        """Trace one ping at any pose, beside those of the tow; its number is that from which its noise derives.
 
-        Parameters
-        ----------
-        pose : mapping
-            ``x``, ``y``, ``depth`` or ``altitude``, ``heading`` (counter-clockwise from +x), ``pitch``, ``roll`` in
-            metres and degrees; those left out are 0, and the height is the track's.
-        number : int
-            Its number, from which its noise derives.
+        A pose has ``x``, ``y``, ``depth`` or ``altitude``, ``heading`` (counter-clockwise from +x), ``pitch`` and
+        ``roll`` in metres and degrees; those left out are 0, and the height is the track's.
         """
         values = _numbers(pose, POSE, "is not part of a pose")
         if {"depth", "altitude"} <= values.keys():
@@ -209,13 +193,7 @@ class Tow:
     def run(
         self, outputs: Sequence[Output], pings: int | None = None, look: Callable[[int], object] = lambda _: None
     ) -> Pacer:
-        """Send pings when they are due, some or without an end, and call ``look`` with the number of each.
-
-        Returns
-        -------
-        Pacer
-            How late the pings were.
-        """
+        """Send pings when they are due, some or without an end, and call ``look`` with the number of each."""
         last, waiting = math.inf if pings is None else self.number + pings, self.trace(self.number)
         gc.collect()
         gc.freeze()  # what is prepared is not looked through again while pings are due
