@@ -54,6 +54,7 @@ def test_an_exercise_is_surveyed_and_marked(open_viewer: Any, small: Scene, exer
     panel = panel_of(viewer)
     viewer.files.open(str(exercise))
     truth = read_exercise(exercise)
+    qtbot.waitUntil(lambda: viewer.tow.helm is not None)
     assert not viewer.session.scene.targets
     assert viewer.session.scene == truth.bare
     assert viewer.tow.helm is not None

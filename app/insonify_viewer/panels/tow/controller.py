@@ -2,7 +2,7 @@
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -63,14 +63,22 @@ class TowPanel(Panel):
 
     def open_exercise(self, path: str) -> None:
         """Open an exercise: what is hidden there stays hidden from the window, and echoes in the record."""
-        # lazy: loads Numba; the window opens before
-        from insonify.exercises.exercise import read_exercise
 
-        try:
-            self._wanted = read_exercise(path), path
-            self._workbench.open_scene(self._wanted[0].bare, "", ask=True)
-        except SceneError as error:
-            self._workbench.complain(error)
+        def read() -> Any:
+            # lazy: loaded on the worker; the window opens before Numba is loaded
+            from insonify.exercises.exercise import read_exercise
+
+            return read_exercise(path)
+
+        self._workbench.simulator.send(read, partial(self._open, path))
+
+    def _open(self, path: str, exercise: "Exercise | SceneError") -> None:
+        """Open the scene of an exercise that was read."""
+        if isinstance(exercise, SceneError):
+            self._workbench.complain(exercise)
+            return
+        self._wanted = exercise, path
+        self._workbench.open_scene(exercise.bare, "", ask=True)
         self._wanted = None
 
     def mark(self) -> None:
@@ -101,7 +109,7 @@ class TowPanel(Panel):
             helm.advance(pings_held(scene) - 1)
             self._workbench.open_panel(self.name)
         self._follow(helm)
-        self.view.show_exercise("" if exercise is None else f"{exercise.title}\n\n{exercise.task}")
+        self.view.show_exercise("" if exercise is None else f"{exercise.title}\n\n{' '.join(exercise.task.split())}")
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Show where the tow is by now."""
