@@ -27,7 +27,7 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
         ("render atlantis -o x.png", "no such file; give a TOML file or one of breaks-beats"),
         (
             "render default -o x.jpg",
-            "'.jpg' is not written by this command; end the name in .png or .jsf or .nc or .npz",
+            "'.jpg' is not written by this command; end the name in .png or .nc or .npz",
         ),
         ("render default -o x", "'' is not written by this command"),
         ("render default -o nowhere/x.png", "there is no folder 'nowhere'; create it"),

@@ -306,6 +306,15 @@ def test_a_clock_of_whole_seconds_is_spread_over_its_pings_and_navigation_has_th
     assert read_recording(str(path))["time"].size == 60
 
 
+def test_rounding_of_positions_does_not_lengthen_the_way(tmp_path):
+    pings, step = 400, 0.1
+    degrees = 7.5 + step * np.arange(pings) / 73_200.0, 48.8 + 0.7 * step * np.arange(pings) / 111_220.0
+    places = np.rint(60e4 * np.array(degrees)).astype(int).T
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{**PING, "x": x, "y": y} for x, y in places]))
+    way = np.hypot(np.diff(record.platform_x), np.diff(record.platform_y)).sum()
+    np.testing.assert_allclose(way, np.hypot(1.0, 0.7) * step * (pings - 1), rtol=0.02)
+
+
 @pytest.mark.parametrize("number", [0, 77])
 def test_pings_without_numbers_of_their_own_stay_apart(tmp_path, number):
     record = read_record(write_jsf(tmp_path / "a.jsf", course(20, ping=number)))

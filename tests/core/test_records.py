@@ -220,9 +220,9 @@ def test_variables_are_given_as_a_dataset_takes_them():
     np.testing.assert_array_equal(level, np.arange(6.0).reshape(2, 3).T)
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".zarr"])
+@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".jsf", ".zarr"])
 def test_files_do_not_depend_on_what_blocks_they_are_written_from(tmp_path, suffix):
-    truth = suffix != ".xtf"
+    truth = suffix not in (".xtf", ".jsf")
     given = [simulated(scene(), truth=truth, block=4) for simulated in (simulate_record_blocks, simulate_blocks)]
     if suffix != ".nc":  # whose chunks are those of the first block
         whole = simulate(scene(), truth=truth)

@@ -137,6 +137,8 @@ def test_a_real_recording_is_copied_without_loss(real_recording, tmp_path):
     (_, before), (_, after) = packets(real_recording), packets(tmp_path / "a.xtf")
     for one, other in zip(before, after, strict=True):
         np.testing.assert_array_equal(one.data, other.data)
+    write_record(tmp_path / "a.jsf", [record])
+    np.testing.assert_array_equal(read_record(tmp_path / "a.jsf").intensity, record.intensity)
     # The first ping has no fix. The second repeats its place in the copy, and repeated fixes are interpolated.
     record, read = (each.isel(ping_time=slice(2, None)) for each in (record, read_record(tmp_path / "a.xtf")))
     assert read.attrs["time_coverage_start"] == "2013-09-10T21:13:08"

@@ -22,8 +22,8 @@ OWN = {
     "rays": "draw rays, shadow zones and caustics",
     "realism": "compare the texture of two folders of images, real and simulated",
     "relief": "write the heights of the bed as a grey picture",
-    "render": "simulate a record: .png (picture), .nc (netCDF), .npz (NumPy arrays), .xtf or .jsf (recordings), "
-    ".zarr (Zarr)",
+    "render": "simulate a record: .png (picture), .nc (netCDF), .npz (NumPy arrays), .zarr (Zarr), "
+    ".jsf (EdgeTech JSF), .xtf (eXtended Triton Format)",
     "scenes": "list the bundled scenes, or describe some",
     "stability": "measure known numerical failures and their cures, as a page (.html)",
     "survey": "simulate a survey of many lines by its specification",

@@ -32,6 +32,7 @@ from insonify.io.records.jsf_writer import (
 
 ENVELOPE, ANALYTIC = 0, 1  # data formats: one and two 16-bit integers a sample
 MORE_BITS, FRACTIONS = 0x0A, 0x0B  # protocol versions from which samples have 20 bits and intervals a fraction
+LEAST_STEP = 8.0  # units of position between two fixes that count
 MOST_SKIPPED = 2**20  # samples between transmission and recording
 METRES = {1: 1e-3, 3: 0.1, 4: 0.01}  # of positions in other units
 
@@ -150,7 +151,7 @@ def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
     """Positions of the pings, in the units of most of them."""
     units, number = np.unique(headers["units"], return_counts=True)
     unit = int(units[np.argmax(number)])
-    known = _valid(headers, POSITION) & (headers["units"] == unit)
+    known = _apart(headers, _valid(headers, POSITION) & (headers["units"] == unit))
     declared, degrees = (
         recording.Fixes(
             np.where(known, scale * headers["x"], 0.0), np.where(known, scale * headers["y"], 0.0), is_degrees
@@ -158,6 +159,18 @@ def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
         for scale, is_degrees in ((METRES.get(unit, 0.0), False), (MINUTE_OF_ARC, True))
     )
     return degrees if unit == MINUTES else recording.settle_units(path, declared, degrees, times, np.zeros(1))
+
+
+def _apart(headers: NDArray[Any], known: Booleans) -> Booleans:
+    """Which of some fixes are far enough from the one before that rounding does not lengthen the way; the last too."""
+    # A unit is 0.2 m where a ping advances by as much: the steps of rounded fixes zigzag, and add up to too much.
+    kept, places = np.zeros_like(known), np.flatnonzero(known)
+    last = (math.inf, math.inf)
+    for place, x, y in zip(places.tolist(), headers["x"][places].tolist(), headers["y"][places].tolist()):
+        if math.hypot(x - last[0], y - last[1]) >= LEAST_STEP:
+            kept[place], last = True, (x, y)
+    kept[places[-1:]] = True
+    return kept
 
 
 def _valid(headers: NDArray[Any], bit: int) -> Booleans:
