@@ -10,7 +10,7 @@ from insonify_viewer.widgets.layouts import fill
 
 STEERING = (  # text, tip, key, steps to port and of speed
     ("Port", "Turn more to port, or less to starboard", "Ctrl+Left", (1, 0)),
-    ("Straight", "Turn no more", "Ctrl+Home", (0, 0)),
+    ("Straight", "Turn no more", "Ctrl+K", (0, 0)),
     ("Starboard", "Turn more to starboard, or less to port", "Ctrl+Right", (-1, 0)),
     ("Faster", "Tow faster", "Ctrl+Up", (0, 1)),
     ("Slower", "Tow more slowly", "Ctrl+Down", (0, -1)),
