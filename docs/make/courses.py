@@ -43,7 +43,8 @@ WEEKS = (
     ("Targets", "pipe-span detection wreck-or-rock figure-2 figure-4 figure-5",
      "Describe a contact so that another finds it."),
     ("Surveys", "survey-lines mosaics", "Plan lines for a square kilometre and 3 pings on a metre."),
-    ("A recording, and the test", "read-a-recording end-test other-ocean", "Hand in the pages of all three."),
+    ("A recording, and the test", "read-a-recording end-test other-ocean",
+     "Hand in the pages of all three, and the contacts of an exercise."),
 )  # fmt: skip
 # Minutes of a demonstration, its lessons, and what is shown.
 DEMO = (
@@ -59,6 +60,7 @@ PLANS = """
 ## A semester of 12 weeks
 
 Two hours a week: one with the lessons of the week, one for the exercise and its discussion. {unplanned}
+The courses end with a [survey exercise](exercise.md): survey hidden targets, hand in contacts, be marked.
 
 | week | subject | lessons | minutes | exercise |
 |---|---|---|---|---|
