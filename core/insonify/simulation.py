@@ -131,7 +131,7 @@ class Simulation(PackedScene):
 
     @property
     def estimates_errors(self) -> bool:
-        """Whether the planes of each ping estimate its error: those of the sweep, which sums energies."""
+        """Whether the planes of each ping estimate its error, as in the sweep, which sums energies."""
         return isinstance(self.tracer, Sweep)
 
     def _trace_by(self, planes: Integers, poses: Poses, arrays: SceneArrays) -> Traced:
@@ -152,7 +152,7 @@ class Simulation(PackedScene):
         return _with_planes(self.plan.settings, planes, self.plan.planes)
 
     def errors(self, squares: Floats) -> Singles:
-        """Estimated errors from their squares, (.., regions, 2): those of planes, and of what the plan leaves out.
+        """Estimated errors from their squares, (.., regions, 2): errors of planes, and of what the plan leaves out.
 
         Where planes give no estimate it is the error that the plan has measured; NaN in a plan that measured nothing.
         """
@@ -162,7 +162,7 @@ class Simulation(PackedScene):
     def bin_errors(self, traced: TracedPings) -> Singles:
         """Estimated errors of the bins of pings that are traced with them, (n, 2, bins), as intensities of the record.
 
-        Over the echo of a level bed, their squares add up to that of the error of a side by planes.
+        Over the echo of a level bed, their squares add up to the square of the error of a side by planes.
         """
         by_planes = np.hypot(traced.bin_errors, self.plan.left_out * traced.echoes)
         is_estimate = _are_estimates(traced.squares)[..., None]
@@ -196,8 +196,8 @@ class Simulation(PackedScene):
         Returns
         -------
         RecordLabels
-            Arrays (n, 2, bins), port first. It comes from the geometry of the sweep whatever the method, and is that
-            of an ideal pulse: a longer one carries each echo on into the bins that follow.
+            Arrays (n, 2, bins), port first. It comes from the geometry of the sweep for every method, with an ideal
+            pulse: a longer one carries each echo on into the bins that follow.
         """
         pings = np.asarray(pings, dtype=np.int64)
         return self.labels(self.poses(pings))[0]
@@ -470,8 +470,8 @@ def simulate_blocks(
     Returns
     -------
     iterator of Dataset
-        Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
-        whole record. The bed and the plan are made for the first one.
+        Successive pings. Labels of a whole target describe all pings so far; the last block's labels describe the whole
+        record. The bed and the plan are made for the first one.
 
     Raises
     ------

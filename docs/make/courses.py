@@ -77,17 +77,17 @@ With the [lecture](view.md#lecture) view (F11) on a projector: the class guesses
 """
 ANSWERS = """# Answers for teachers
 
-The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers are those
-of the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws its
-numbers anew in every run: here is one draw.
+The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers follow
+from the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws
+other numbers in every run: here is one draw.
 
 """
 
 TOPICS = """## Topics
 
-Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's
-scene; its value as measured in the simulated record (`insonify lesson check`); a condition on that record, which tests
-what is to be seen there and not always the number that is asked for; or, for a choice, the reasons alone.
+Each topic with its lesson, its questions, and the check of the right answer. It is a closed form of the student's
+scene; its value as measured in the simulated record (`insonify lesson check`); or a condition on that record. A choice
+may have its reasons alone.
 
 | topic | lesson | question | checked by |
 |---|---|---|---|

@@ -1,8 +1,8 @@
 """Table of what a plan may leave out or trace more coarsely: one row an effect.
 
-A row says where the effect applies and between which settings a plan may choose, what a setting errs by (a closed bound
-or a difference measured on a few pings), the share of the tolerance that it may take, and how a plan speaks of it.
-Errors of unlike kinds add up by squares, and the shares are fixed, so that more tolerance never means more work.
+A row gives where the effect applies, the settings between which a plan may choose, and the words of a plan. It gives
+the error of a setting (a closed bound or a difference measured on a few pings) and its share of the tolerance. Errors
+of unlike kinds add up by squares, and the shares are fixed, so that more tolerance never means more work.
 """
 
 import math
@@ -333,7 +333,7 @@ def _segments(case: Case, model: Model, wish: Any) -> tuple[float, ...]:
 
 
 def _segments_error(case: Case, model: Model) -> float:
-    """Error against the finest division; that of other divisions falls in proportion to the share misplaced."""
+    """Error against the finest division; the error of other divisions falls in proportion to the share misplaced."""
     finest = case.bare._replace(misplaced=DIVISIONS[-1])
     if model.misplaced == math.inf:
         return case.probe.difference(case.bare, finest, nearer=NEARER)

@@ -55,7 +55,7 @@ class Plan:
 
     @property
     def label_settings(self) -> dict[str, Any]:
-        """Planes and rays by which bins are labelled, which is done by the sweep whatever the tracer."""
+        """Planes and rays by which bins are labelled, which the sweep does for every tracer."""
         return {name: number for name, number in self.settings.items() if name in ("planes", "across", "rays")}
 
     @property

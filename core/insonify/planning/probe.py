@@ -231,7 +231,7 @@ class Probe:
 
 
 def _find_clear_of_targets(arrays: SceneArrays, poses: Poses) -> Booleans:
-    """Whether the sonar is outside of all targets at each ping; refuse pings of which none is."""
+    """Whether the sonar is outside of all targets at each ping; it is an error if it is inside at all pings."""
     clear, fault = np.ones(poses.x.size, np.bool_), None
     try:
         refuse_sonar_in_target(arrays, poses)
@@ -294,7 +294,7 @@ def _error(missed: Floats, whole: Floats, is_bound: bool = True) -> float:
 def _trend(coarser: Singles, coarse: Singles, fine: Singles) -> float:
     """Share of its last change by which a record goes on to change: the ratio of the vectors of both changes.
 
-    Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
+    Random changes are at right angles and give 0; changes by a bias that falls with the first power give a half.
     This is the vector form of Aitken's process (Wynn 1962).
     """
     before, last = coarser - coarse, coarse - fine

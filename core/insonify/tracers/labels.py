@@ -48,8 +48,8 @@ def trace_labels(
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
-    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding, ``squares`` those of the
-    errors of planes. With ``targets_alone`` pings that meet no target have the bed wherever there is an echo, of no
+    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding, ``squares`` the squares of
+    the errors of planes. With ``targets_alone`` pings that meet no target have the bed wherever there is an echo, of no
     place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)

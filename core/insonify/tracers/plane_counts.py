@@ -61,7 +61,7 @@ def empty_squares(pings: int) -> Floats:
 
 
 def empty_bin_errors(pings: int, bins: int = 0) -> Singles:
-    """Errors of no bins of pings, (n, 2, 0), or room for those of some."""
+    """Errors of no bins of pings, (n, 2, 0), or room for the errors of some."""
     return np.zeros((pings, 2, bins), np.float32)
 
 
@@ -95,7 +95,7 @@ def more_across(planes: Integers, first: int, across: int) -> Integers:
 def trace_until(
     goal: Goal | None, first: int, pings: int, trace_some: Callable[[Integers, Integers], Columns]
 ) -> tuple[Columns, Integers]:
-    """Trace pings, and those of too great an error by more planes; return what is traced and the planes of each.
+    """Trace pings, and pings of too great an error by more planes; return what is traced and the planes of each.
 
     Parameters
     ----------

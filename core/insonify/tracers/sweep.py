@@ -144,7 +144,7 @@ def trace(
 ) -> Singles:
     """Trace pings by the sweep, all by the same number of planes or each by its own.
 
-    ``squares`` takes those of the errors of planes, where they are measured, ``bin_errors`` the errors of bins by
+    ``squares`` takes the squares of the errors of planes, where they are measured, ``bin_errors`` the errors of bins by
     planes, as intensities; both as far as what planes estimate is trusted.
     """
     refuse_sonar_in_target(arrays, poses)

@@ -94,7 +94,7 @@ class SideColumns(NamedTuple):
     slant_range: Floats
 
     def take(self, pings: Integers) -> "SideColumns":
-        """Return those of some pings."""
+        """Return the values of some pings."""
         return SideColumns(self.at[:, pings], self.format[:, pings], self.slant_range[:, pings])
 
 
@@ -186,7 +186,7 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
 
 
 def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple[int, dict[str, Any]]:
-    """Return the band of the wanted frequency, and attributes of it and of all where there are several; in Hz."""
+    """Return the band of the wanted frequency, with its attributes and those of all bands; in Hz."""
     band = next(iter(frequencies))
     if wanted is not None:
         band = min(frequencies, key=lambda each: abs(frequencies[each] - wanted))
@@ -425,7 +425,7 @@ def _gather(file: BinaryIO, at: Integers, size: int) -> Bytes:
 
 
 def _put_on_grid(samples: Singles, slant_range: float, bin_length: float, out: Singles, pings: Integers) -> None:
-    """Lay samples, (n, samples), in the rows of some pings; those of another bin length are interpolated."""
+    """Lay samples, (n, samples), in the rows of some pings; samples of another bin length are interpolated."""
     count, bins = samples.shape[1], out.shape[1]
     if abs(slant_range - count * bin_length) < 0.5 * bin_length:
         out[pings, :count] = samples[:, :bins]
