@@ -14,7 +14,7 @@ from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.planning.case import FEWEST_RAYS, NEGLIGIBLE, Case
 from insonify.planning.plan_entries import PlanEntry, counted, percent
-from insonify.planning.probe import ENOUGH_PINGS, PAIRS, UP_TO, PlaneLaw
+from insonify.planning.probe import ENOUGH_PINGS, PlaneLaw
 from insonify.scene import SceneError
 from insonify.scene.water.surfaces import WAYS
 from insonify.tracers.base import AUTO, find_tracer, list_methods
@@ -23,6 +23,8 @@ from insonify.tracers.plane_counts import COUNTS
 SWITCH = ("on", "off")
 ONE_OF_FOUR = 1.0 / 6.0  # share of refraction, of paths by the surface, of segments and of nodes
 OF_PLANES = math.sqrt(1.0 - 4.0 * ONE_OF_FOUR**2)  # share of planes, or of rays: the squares add up to one
+FEW_PLANES, MANY_PLANES = 4, 16  # by which errors of planes are measured first
+MOST_MEASURED = 256
 OF_A_TARGET = 4  # planes across each target and each glint, where a ping has no more of all
 # Rays per side of the sweep's pings with several eigenrays or none; each number is judged by the next.
 RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
@@ -128,17 +130,33 @@ def _say_method(case: Case, model: Model, error: float) -> Said:
 
 
 def plane_law(case: Case, across: int, planes: int) -> PlaneLaw:
-    """Errors by the number of planes, about that number, beside the finest of the effects."""
-    pair, *finer = (_planes_probed(case, across, pair) for pair in PAIRS)
-    for few, many in finer if case.probe.size >= ENOUGH_PINGS else ():
-        if planes > UP_TO * pair[0].planes and case.probe.affords(many):
-            pair = few, many
-    return case.probe.law(*pair)
+    """Errors by the number of planes, measured by that number, or the most affordable, beside the finest of effects."""
+    if case.probe.size < ENOUGH_PINGS:
+        return case.probe.law(*_planes_probed(case, across))
+    few = max(planes, LEAST_PLANES)  # a ping that meets targets has several
+    many = max(2 ** math.ceil(math.log2(2 * few)), MANY_PLANES)
+    while few > FEW_PLANES and not _is_affordable(case, across, many):
+        few, many = many // 4, many // 2
+    return case.probe.law(*_planes_probed(case, across, few, max(many, MANY_PLANES)))
 
 
-def _planes_probed(case: Case, across: int, counts: tuple[int, int] = PAIRS[0]) -> tuple[Model, Model]:
+def _is_affordable(case: Case, across: int, planes: int) -> bool:
+    return planes <= MOST_MEASURED and case.probe.affords(_planes_probed(case, across, planes)[0])
+
+
+def enough_planes(case: Case, across: int, counts: list[int], most: float) -> int:
+    """Fewest of some numbers of planes by which most pings measured are within an error; the greatest if by none."""
+    count, law = 0, plane_law(case, across, FEW_PLANES)
+    while True:
+        # A law tells which number to try, and is measured again by that number.
+        count = next((each for each in counts if each > count and law.usual(each) <= most), counts[-1])
+        law = plane_law(case, across, count)
+        if law.usual(count) <= most or count == counts[-1]:
+            return count
+
+
+def _planes_probed(case: Case, across: int, few: int = FEW_PLANES, many: int = MANY_PLANES) -> tuple[Model, Model]:
     some = case.whole._replace(ways=case.measured_paths, across=across)
-    few, many = counts
     return some._replace(planes=few), some._replace(planes=many)
 
 
@@ -175,7 +193,7 @@ def _say_planes(case: Case, model: Model, error: float) -> Said | None:
     if error == 0.0:
         reason = "a level bed of one material is alike across the beam; a ping that meets a target has several"
     elif model.planes == 1 and not forced:
-        reason = f"on a level bed, 1 and {PAIRS[0][1]} planes differ by {percent(error)} on {case.pings}"
+        reason = f"on a level bed, 1 and {MANY_PLANES} planes differ by {percent(error)} on {case.pings}"
     else:
         law = plane_law(case, model.across, model.planes)
         reason = f"{law.few} and {law.many} planes differ by {percent(law.error)} on "

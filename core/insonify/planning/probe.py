@@ -32,14 +32,9 @@ WORK_OF_A_THREAD = 2e5  # of the pings of a call, beside which what the call its
 SECONDS_OF_WORK = 7e-9  # where nothing was timed
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
-# Pairs of few planes and many, by which errors of planes are measured, and times the few that a pair still holds for:
-# what planes estimate is trusted as far as planes about as many are found to err.
-PAIRS, UP_TO = ((4, 16), (8, 16), (16, 32), (32, 64), (64, 128)), 1.25
-ENOUGH_PINGS = 8  # half of which tell how far what more planes estimate is trusted
+ENOUGH_PINGS = 8  # that tell how far what planes estimate is trusted
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
-TRUSTED = 0.75  # share of the pings measured of which errors are no greater than that trust has them
-LEAST_ESTIMATE = 1e-4  # of an error, from which on a ping tells what planes estimate
 USUAL = 0.75  # share of the pings that are within the tolerance by the planes that all of them begin with
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
@@ -193,7 +188,9 @@ class Probe:
     def law(self, few: Model, many: Model) -> PlaneLaw:
         """Errors by the number of planes, from few planes of the same pings and from many."""
         if (few, many) not in self._laws:
-            count = self.size if few.planes == PAIRS[0][0] else self.size // 2
+            count = max(self.size // 2, min(self.size, ENOUGH_PINGS))
+            if (few, ()) in self._traced and (many, ()) in self._traced:
+                count = self.size
             (one, estimated), (other, finer) = (self._first(count, model) for model in (few, many))
             squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
             found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
@@ -262,16 +259,15 @@ def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: B
 
 
 def _trust(found: Floats, estimated: Floats) -> float:
-    """Errors found over those estimated, of all pings together or of most of many, whichever is greater; 0 of none.
+    """Errors found over those estimated, by a margin; 0 without pings.
 
     Few pings may err little by chance: n of them give no reason to trust in less than 1/√n.
     """
-    told = estimated > LEAST_ESTIMATE
-    if not told.any():
-        return 1.0 / math.sqrt(told.size) if told.size else 0.0
-    together = _root_mean_square(found[told]) / _root_mean_square(estimated[told])
-    most = float(np.quantile(found[told] / estimated[told], TRUSTED)) if told.sum() >= ENOUGH_PINGS else 0.0
-    return max(TRUST_MARGIN * max(together, most), 1.0 / math.sqrt(told.size))
+    if found.size == 0:
+        return 0.0
+    whole = _root_mean_square(estimated)
+    ratio = _root_mean_square(found) / whole if whole > 0.0 else 0.0
+    return max(TRUST_MARGIN * ratio, 1.0 / math.sqrt(found.size))
 
 
 def _root_mean_square(errors: Floats) -> float:

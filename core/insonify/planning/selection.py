@@ -8,7 +8,16 @@ from typing import NamedTuple
 
 from insonify.packing.packed_scene import Model, PackedScene, pack
 from insonify.planning.case import Case
-from insonify.planning.effects import BY_SUBJECT, OF_PLANES, ROWS, Effect, plane_law, planes_error, remark
+from insonify.planning.effects import (
+    BY_SUBJECT,
+    OF_PLANES,
+    ROWS,
+    Effect,
+    enough_planes,
+    plane_law,
+    planes_error,
+    remark,
+)
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
@@ -180,7 +189,7 @@ def list_alternatives(case: Case, made: Plan, tolerance: float) -> list[Alternat
             continue
         coarser = model._replace(**{row.field: values[place - 1]})
         is_planes = row.subject == "planes" and coarser.planes > 1
-        law = plane_law(case, model.across, coarser.planes) if is_planes else None
+        law = plane_law(case, model.across, model.planes) if is_planes else None
         error = row.judge(case, coarser, tolerance) if law is None else law.usual(coarser.planes)
         said = row.say(case, coarser, error)
         if said is not None:
@@ -219,8 +228,7 @@ def _choose(case: Case, row: Effect, model: Model, tolerance: float) -> Model:
     if row.subject == "planes" and coarser:
         if values[0] == 1 and planes_error(case, coarser[0]) <= most:
             return coarser[0]
-        usual = ((count, plane_law(case, model.across, count).usual(count)) for count in values if count > 1)
-        return model._replace(planes=next((count for count, error in usual if error <= most), values[-1]))
+        return model._replace(planes=enough_planes(case, model.across, [n for n in values if n > 1], most))
     if coarser and not _is_able(case, row, finest):
         most = tolerance
     able = (one for one in coarser if _is_able(case, row, one) and row.judge(case, one, tolerance) <= most)
