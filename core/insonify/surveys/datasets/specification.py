@@ -219,6 +219,9 @@ class DatasetSpecification(Declaration):
     base: FilePath = parameter(PLAIN_SCENE, "bundled scene, or TOML file, from which all scenes are derived")
     set: dict[str, Drawn] = parameter({}, "fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), "classes of targets")
+    numbered: tuple[Name, ...] = parameter(
+        (), "classes of this set and of those to be merged with it, in order of their numbers; its own when left out"
+    )
     groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")
     tolerance: float = parameter(0.03, "accepted relative error of a record", gt=0.0, le=1.0)
     negatives: float = parameter(0.2, "share of the scenes without targets of these groups", ge=0.0, le=1.0)
@@ -256,10 +259,12 @@ class DatasetSpecification(Declaration):
 
     @model_validator(mode="after")
     def _classes_differ_and_jobs_are_whole(self) -> Self:
-        names = self.classes
+        names = [group.name for group in self.targets]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"targets: the class {twice!r} is declared twice; merge the two, or rename one")
+        if self.numbered and (strange := set(names) - set(self.numbered)):
+            raise ValueError(f"numbered: lacks the class {min(strange)!r}; add it, or leave numbered out")
         together = self.storage.scenes
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)
@@ -271,5 +276,5 @@ class DatasetSpecification(Declaration):
 
     @property
     def classes(self) -> list[str]:
-        """Classes of targets, in order."""
-        return [group.name for group in self.targets]
+        """Classes of targets in the order of their numbers."""
+        return list(self.numbered) or [group.name for group in self.targets]
