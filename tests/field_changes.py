@@ -123,7 +123,7 @@ CHANGES: Changes = {
 # Maps of materials, which are materials like any other.
 MAPS: dict[str, tuple[Values, Values]] = {
     "patches": ({"size": 4.0}, {"size": 3.0}),
-    "fractal": ({}, {"beta": 1.2}),
+    "fractal": ({}, {"beta": 1.2, "softness": 0.5}),
     "pattern": ({"shape": "checks", "period": 5.0}, {"shape": "waves", "period": 4.0, "heading": 60.0}),
     "image": ({"path": "PICTURE", "width": 12.0}, {"path": "NEGATIVE", "width": 8.0}),
     "backscatter": ({"path": "MAP"}, {"path": "OTHER_MAP", "levels": [-30.15]}),
