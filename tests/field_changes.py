@@ -45,6 +45,11 @@ MADE: dict[str, tuple[Values, Values]] = {
         | {"bandwidth": 0.2, "bandwidth_along": 0.2},
     ),
     "cascade": ({"rms": 0.1}, {"rms": 0.11, "intermittency": 0.3, "hurst": 0.9}),
+    "marks": (
+        {"length": 3.0, "share": 0.1},
+        {"height": -0.4, "size": 1.5, "length": 4.0, "heading": 20.0, "share": 0.2},
+    ),
+    "strata": ({}, {"height": 0.7, "interval": 5.0, "heading": 90.0, "bends": 2.0, "scarp": 0.3}),
     "autocorrelation": ({"rms": 0.1}, {"rms": 0.11, "function": "gaussian"}),
 }
 CORRELATIONS = [
@@ -67,7 +72,7 @@ def _reliefs(path: str, place: str, within: Callable[..., Values]) -> Changes:
         found[f"{here}.period"] = (within(base), within(base | {"period": 20.0}))
         masked = within(base | {"mask": PATCHY})
         found |= fields(f"{here}.mask[patches]", masked, f"{place}.mask", share=0.3, size=4.0, softness=1.0)
-        if kind != "cascade":
+        if kind not in ("cascade", "marks", "strata"):
             softly = ENDLESS_FRACTAL if kind == "fractal" else {}
             found |= fields(here, within(base | softly | {"extent": "periodic"}), place, extent="endless")
     for kind, name, before, after in CORRELATIONS:
@@ -118,7 +123,7 @@ CHANGES: Changes = {
 # Maps of materials, which are materials like any other.
 MAPS: dict[str, tuple[Values, Values]] = {
     "patches": ({"size": 4.0}, {"size": 3.0}),
-    "fractal": ({}, {"beta": 1.2}),
+    "fractal": ({}, {"beta": 1.2, "softness": 0.5}),
     "pattern": ({"shape": "checks", "period": 5.0}, {"shape": "waves", "period": 4.0, "heading": 60.0}),
     "image": ({"path": "PICTURE", "width": 12.0}, {"path": "NEGATIVE", "width": 8.0}),
     "backscatter": ({"path": "MAP"}, {"path": "OTHER_MAP", "levels": [-30.15]}),

@@ -9,15 +9,13 @@ picture is used before the test.
 
 import json
 import os
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from PIL import Image
-from scipy import ndimage
-from skimage.feature import local_binary_pattern
 
 from insonify import cli
 from insonify.display.display_options import DisplayOptions
@@ -30,66 +28,17 @@ NAMES = ("seabed", "ship", "aircraft")
 FOLDERS = {"seafloor": 0, "ship": 1, "plane": 2}
 SETS = ("wrecks", "aircraft", "seabed")
 STEPS, WIDTH = map(int, os.environ.get("INSONIFY_SIM_NETWORK", "3000,40").split(","))
-SIDE, CHIP, SEEDS, DRAWS = 128, 160, 3, 1000
+CHIP, SEEDS, DRAWS = 160, 3, 1000
 RECORD = Path(os.environ.get("INSONIFY_REAL_DATA", ""), "xtf", "scotsman-iver2.xtf")
 # Of its wreck: side, first and last metre along the track, greatest ground range; the mast's shadow reaches farther.
 WRECK = (1, 20.0, 46.0, 18.0)
 WINDOWS, LEVELS = (6.0, 9.0, 13.5, 20.0), (0.85, 0.8, 0.7, 0.6, 0.5)  # m on a side; chances of an object
 
+DETECTOR = Path(__file__).parents[2] / "docs" / "howto" / "detector.py"
+detector = module_from_spec(spec := spec_from_file_location("detector", DETECTOR))
+spec.loader.exec_module(detector)
+
 pytestmark = [pytest.mark.bench, pytest.mark.skipif(REAL is None, reason="INSONIFY_REAL_PICTURES names no folder")]
-
-
-def describe(picture: Image.Image) -> np.ndarray:
-    """Features of greys, texture, edges and outline, which change little as the picture is turned or mirrored.
-
-    The longer side of the picture is resampled to `SIDE` pixels.
-    """
-    size = [max(round(SIDE * side / max(picture.size)), 16) for side in picture.size]
-    image = np.asarray(picture.convert("L").resize(size, Image.Resampling.BOX), float) / 255.0
-    image = (image - np.median(image)) / (image.std() + 1e-3)
-    found = [*np.percentile(image, [1, 5, 25, 75, 95, 99]), float((image**3).mean())]
-    for scale in (1, 2, 4, 8, 16):
-        soft = ndimage.gaussian_filter(image, scale)
-        found += [soft.std(), *np.percentile(soft, [1, 99]), float(((soft - soft.mean()) ** 3).mean())]
-        found.append(ndimage.gaussian_gradient_magnitude(image, scale).std())
-    greys = (255 * (image - image.min()) / np.ptp(image)).astype(np.uint8)
-    for radius in (1, 3):
-        found += [*np.histogram(local_binary_pattern(greys, 8, radius, "uniform"), np.arange(11), density=True)[0]]
-    for scale in (1.5, 3.0):
-        soft = ndimage.gaussian_filter(image, scale)
-        found += [*_edges(soft)]
-        for part in (soft, -soft, np.abs(soft)):
-            for share in (96.0, 88.0):
-                found += _outline(part[::2, ::2], share)
-    return np.array(found)
-
-
-def _edges(image: np.ndarray) -> np.ndarray:
-    """Angular harmonics of the directions of edges: one direction of ribs and rims, several of wings and bodies."""
-    dy, dx = np.gradient(image)
-    strength, angle = np.hypot(dy, dx) ** 2, np.arctan2(dy, dx)
-    total = strength.sum() + 1e-9
-    return np.array([abs((strength * np.exp(1j * m * angle)).sum()) / total for m in (1, 2, 3, 4, 6, 8)])
-
-
-def _outline(image: np.ndarray, share: float) -> list[float]:
-    """Size and elongation of the brightest part of a picture, and its angular harmonics in rings about the middle."""
-    bright = image > np.percentile(image, share)
-    parts, count = ndimage.label(bright)
-    sizes = np.bincount(parts.ravel())[1:] if count else np.ones(1)
-    is_large = np.concatenate([[False], sizes > 0.1 * sizes.max()])  # no specks
-    y, x = (place / max(image.shape) for place in np.nonzero(is_large[parts] if count else bright))
-    if len(y) < 2:
-        y = x = np.array([0.0, 1.0])
-    dy, dx = y - y.mean(), x - x.mean()
-    minor, major = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(dy, dx)), 1e-6))
-    # In units of the larger spread, outlines of all sizes are alike.
-    radius, turn = np.hypot(dy, dx) / major, np.exp(1j * np.arctan2(dy, dx))
-    found = [major, minor / major, len(y) / image.size, len(y) / image.size / (major * minor)]
-    for inner, outer in ((0.0, 0.5), (0.5, 1.0), (1.0, 1.6), (1.6, 2.6)):
-        ring = turn[(radius >= inner) & (radius < outer)]
-        found += [len(ring) / len(y), *(abs((ring**m).sum()) / max(len(ring), 1) for m in range(1, 7))]
-    return [*found, float(count), float(sizes.max() / image.size), float(sizes.max() / max(sizes.sum(), 1))]
 
 
 class Chip(NamedTuple):
@@ -117,14 +66,6 @@ def chips(tmp_path_factory):
     return [chip if chip.box else chip._replace(box=boxes[rng.integers(len(boxes))]) for chip in made]
 
 
-def cropped(picture: Image.Image, box: list[int], rng: np.random.Generator) -> Image.Image:
-    """Window about the box of an echo and its shadow, wider by up to 0.3 of it on each side."""
-    x, y, wide, high = box
-    left, up, right, down = rng.uniform(0.03, 0.3, 4)
-    ends = min(x + wide + right * wide, picture.width), min(y + high + down * high, picture.height)
-    return picture.crop((int(max(x - left * wide, 0)), int(max(y - up * high, 0)), int(ends[0]), int(ends[1])))
-
-
 def measures(chance: np.ndarray, classes: np.ndarray) -> dict[str, float]:
     """Columns of the table, from the chances of the three classes."""
     metrics = pytest.importorskip("sklearn.metrics")
@@ -145,8 +86,8 @@ def forests(chips):
     ensemble, rng = pytest.importorskip("sklearn.ensemble"), np.random.default_rng(1)
     # With beds that are mistaken for objects, from which a network gains, forests take a third of the objects for beds.
     learned = [chip for chip in chips if chip.of != "seabed"]
-    shown = [part for chip in learned for part in (chip.picture, cropped(chip.picture, chip.box, rng))]
-    features = np.array([describe(picture) for picture in shown])
+    shown = [part for chip in learned for part in (chip.picture, detector.cropped(chip.picture, chip.box, rng))]
+    features = np.array([detector.describe(picture) for picture in shown])
     classes = np.repeat([chip.number for chip in learned], 2)
     trees = [
         ensemble.ExtraTreesClassifier(600, min_samples_leaf=2, class_weight="balanced", random_state=seed)
@@ -180,7 +121,7 @@ def networks(chips):
 
 def by_each(forests: list[Any], networks: list[Any], pictures: list[Image.Image]) -> dict[str, list[np.ndarray]]:
     """Chances of the classes of pictures by each forest, by each network, and by both."""
-    features = np.array([describe(picture) for picture in pictures])
+    features = np.array([detector.describe(picture) for picture in pictures])
     found = {"trees": [forest.predict_proba(features) for forest in forests]}
     if networks:
         import small_network

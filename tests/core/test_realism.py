@@ -10,7 +10,7 @@ from scipy import ndimage
 from commands import refused
 from insonify import cli
 from insonify.accuracy import realism
-from insonify.accuracy.realism import UNKNOWN, compare_textures
+from insonify.accuracy.realism import UNKNOWN, _differ, compare_textures
 from insonify.statistics.image_textures import measure_texture
 
 realism.TREES = 20
@@ -51,6 +51,25 @@ def test_alike_sets_are_not_told_apart_and_different_ones_are():
     distances = {one.quantity: one.distance for one in found.differences}
     assert distances["correlation length across"] == 1.0
     assert distances["correlation length along"] < 0.7
+
+
+def test_distances_of_distributions_are_those_of_their_formulas():
+    first, second = RNG.normal(0.0, 2.0, 40000), RNG.normal(1.0, 2.0, 40000)
+    found = _differ("x", first, second)
+    assert found.emd == pytest.approx(0.5, abs=0.02)
+    assert found.auc == pytest.approx(0.638, abs=0.01)  # Φ(1/(2√2))
+    assert found.kl == pytest.approx(0.125 / np.log(2.0), rel=0.1)  # half of the squared shift, in deviations
+    assert 0.0 < found.js < found.kl / 3.0
+    alike = _differ("x", first, first)
+    assert (alike.auc, alike.kl, alike.js, alike.emd) == (0.5, 0.0, 0.0, 0.0)
+
+
+def test_parts_of_one_record_do_not_vouch_for_one_another():
+    pytest.importorskip("sklearn")
+    # Twenty pictures of each set come from two records of a scatter of their own.
+    first, second = ([i for w in widths for i in speckled((w, w), 10)] for widths in ((0.2, 1.0), (0.6, 1.6)))
+    apart = {one.by: one.auc for one in compare_textures(first, second).separations}
+    assert apart["all, runs apart"] < apart["all"]
 
 
 @pytest.mark.parametrize("with_classifier", [True, False])

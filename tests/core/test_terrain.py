@@ -76,7 +76,7 @@ def test_relief_samples_one_period_on_any_shape_that_has_nodes_and_dunes_are_as_
         assert heights.shape == shape
         assert np.isfinite(heights).all()
     assert not relief(Seabed(), (3, 5)).any()
-    for kind in ("flat", "fractal", "cascade", "mimic"):
+    for kind in ("flat", "fractal", "cascade", "marks", "strata", "mimic"):
         for shape in ((0, 5), (5, 0), (-1, 3)):
             with pytest.raises(SceneError, match=r"^shape: \(.+\) has no nodes; give at least \(1, 1\)$"):
                 relief(Seabed(relief={"kind": kind}), shape)
@@ -85,6 +85,46 @@ def test_relief_samples_one_period_on_any_shape_that_has_nodes_and_dunes_are_as_
     for spacing in (0.4, 1e3):
         dunes = scene(relief="mimic", spacing=spacing)
         np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
+
+
+def test_marks_cover_their_share_with_peaks_and_lie_along_their_heading():
+    marks = {"kind": "marks", "period": 64.0, "height": 0.5, "size": 2.0, "share": 0.05}
+    heights = relief(Seabed(relief=marks, spacing=0.25))
+    covered = heights > 0.0
+    assert covered.mean() == pytest.approx(0.05, abs=1e-3)
+    assert heights.min() == 0.0
+    np.testing.assert_array_equal(relief(Seabed(relief=marks | {"height": -0.5}, spacing=0.25)), -heights)
+    edges = [(np.diff(covered.astype(int), axis=axis) != 0).sum() for axis in (0, 1)]
+    width = 2.0 * covered.sum() * 0.25 / np.array(edges)
+    assert width == pytest.approx(2.0, rel=0.5)  # mean chord of the marks
+    long = relief(Seabed(relief=marks | {"length": 30.0, "heading": 0.0}, spacing=0.25)) > 0.0
+    edges = [(np.diff(long.astype(int), axis=axis) != 0).sum() for axis in (0, 1)]
+    assert edges[0] > 5.0 * edges[1]
+
+
+def test_strata_step_by_their_height_at_their_interval_and_repeat():
+    strata = {"kind": "strata", "period": 64.0, "height": 0.8, "interval": 8.0, "heading": 0.0, "bends": 0.0}
+    heights = relief(Seabed(relief=strata, spacing=0.25))
+    np.testing.assert_allclose(heights, heights[:, :1] * np.ones(256), atol=1e-12)
+    line = heights[:, 0]
+    np.testing.assert_allclose(line, np.roll(line, 32), atol=1e-9)
+    assert np.ptp(line) == pytest.approx(0.8, rel=0.1)
+    # Scarps are as wide as they are declared: 0.15 of the interval rises.
+    assert (np.diff(line) > 0.0).mean() == pytest.approx(0.15, abs=0.02)
+
+
+def test_soft_borders_mix_the_materials_over_their_share_of_the_bed():
+    lattice = Lattice((256, 256), 0.1)
+    sharp, soft = (FractalMap(of=THREE[:2], softness=softness) for softness in (0.0, 0.5))
+    rows = material_indices(soft, lattice, 1)
+    pure = (rows == 0) | (rows == 255)
+    assert pure.mean() == pytest.approx(0.75, abs=0.02)  # half of the half-bands on both sides of the border
+    # Where it is pure, the soft map is the sharp one.
+    np.testing.assert_array_equal(rows[pure] > 0, material_indices(sharp, lattice, 1)[pure] > 0)
+    names, reflectivities = soft.rows()
+    levels = [reflectivity.diffuse for reflectivity in reflectivities]
+    assert len(names) == 256
+    assert sorted(levels) in (levels, levels[::-1])
 
 
 def test_picture_has_north_at_the_top_and_the_whole_range_of_grey(tmp_path):

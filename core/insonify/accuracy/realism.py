@@ -1,5 +1,6 @@
 """Distances between the textures of two sets of images, and a classifier that tries to tell them apart."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,8 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 MOST_IMAGES = 2000  # images of a folder, evenly chosen
 FEWEST = 10
 FOLDS, TREES = 5, 200
+CLASSES = 12  # of a quantity, for divergences
+RUN = 10  # files that follow one another by name and are often parts of one record
 SHOWN = 8  # images of each set on the picture
 UNKNOWN = "install scikit-learn for a classifier that tells the sets apart: pip install 'insonify[learning]'"
 
@@ -26,6 +29,10 @@ class Difference(NamedTuple):
     quantity: str
     medians: tuple[float, float]
     distance: float  # Kolmogorov and Smirnov's: largest difference of the two distributions, 0 to 1
+    auc: float  # of this quantity alone, by the side of a threshold: 0.5 if it tells nothing
+    kl: float  # divergence of Kullback and Leibler of the second distribution from the first, in bits
+    js: float  # divergence of Jensen and Shannon, 0 to 1 bit
+    emd: float  # earth mover's distance, in standard deviations of the first set
 
 
 class Separation(NamedTuple):
@@ -46,10 +53,11 @@ class Realism:
     def lines(self) -> list[str]:
         """Lay both tables out as lines."""
         width = max(len(one.quantity) for one in self.differences)
-        found = [f"{'':{width}}  {'first':>8}  {'second':>8}  distance"]
+        found = [f"{'':{width}}  {'first':>8}  {'second':>8}  distance     AUC      KL      JS     EMD"]
         for one in self.differences:
             first, second = one.medians
-            found.append(f"{one.quantity:{width}}  {first:8.3f}  {second:8.3f}  {one.distance:8.3f}")
+            numbers = "".join(f"{number:8.3f}" for number in (one.auc, one.kl, one.js, one.emd))
+            found.append(f"{one.quantity:{width}}  {first:8.3f}  {second:8.3f}  {one.distance:8.3f}{numbers}")
         found += [f"AUC by {one.by:{width - 7}}  {one.auc:28.3f}" for one in self.separations]
         return found if self.separations else [*found, UNKNOWN]
 
@@ -58,7 +66,7 @@ def read_images(folder: Path) -> Images:
     """Read the images below a folder in grey levels; of a data set its `images`, and none that is too small."""
     from PIL import Image
 
-    paths = [path for path in sorted(folder.rglob("*")) if path.suffix.lower() in SUFFIXES]
+    paths = [path for path in sorted(folder.rglob("*"), key=_by_number) if path.suffix.lower() in SUFFIXES]
     paths = [path for path in paths if path.is_file() and "masks" not in path.relative_to(folder).parts]
     own = [path for path in paths if "images" in path.relative_to(folder).parts]
     paths = own or paths
@@ -77,11 +85,13 @@ def read_images(folder: Path) -> Images:
     return images
 
 
+def _by_number(path: Path) -> list[str]:
+    """Key that sorts the numbers in names by their value."""
+    return [part.zfill(20) if part.isdigit() else part for part in re.split(r"(\d+)", str(path))]
+
+
 def compare_textures(first: Images, second: Images) -> Realism:
     """Compare two sets of images quantity by quantity, and by a classifier where scikit-learn is installed."""
-    # lazy: slow to import
-    from scipy.stats import ks_2samp
-
     measured = [[measure_texture(image) for image in images] for images in (first, second)]
     groups = {group: list(found) for group, found in measured[0][0].items()}
     tables = {
@@ -89,7 +99,7 @@ def compare_textures(first: Images, second: Images) -> Realism:
         for group, names in groups.items()
     }
     differences = [
-        Difference(name, (float(np.median(a)), float(np.median(b))), float(ks_2samp(a, b, method="asymp").statistic))
+        _differ(name, a, b)
         for group, (one, other) in tables.items()
         for name, a, b in zip(groups[group], one.T, other.T)
     ]
@@ -97,20 +107,53 @@ def compare_textures(first: Images, second: Images) -> Realism:
     return Realism((len(first), len(second)), tuple(differences), tuple(_separations(tables)))
 
 
+def _differ(name: str, first: Floats, second: Floats) -> Difference:
+    """Distances of the distributions of one quantity; divergences by classes of equal shares of both sets together."""
+    # lazy: slow to import
+    from scipy.stats import ks_2samp, mannwhitneyu, wasserstein_distance
+
+    edges = np.unique(np.quantile(np.concatenate([first, second]), np.linspace(0.0, 1.0, CLASSES + 1)[1:-1]))
+    # Half a count in every class, so that an empty one is not infinitely far (Krichevsky and Trofimov 1981).
+    counts = [np.bincount(np.searchsorted(edges, each), minlength=edges.size + 1) + 0.5 for each in (first, second)]
+    p, q = (count / count.sum() for count in counts)
+
+    def divergence(one: Floats, other: Floats) -> float:
+        return float((one * np.log2(one / other)).sum())
+
+    rank = mannwhitneyu(first, second).statistic / (first.size * second.size)
+    return Difference(
+        name,
+        (float(np.median(first)), float(np.median(second))),
+        float(ks_2samp(first, second, method="asymp").statistic),
+        float(max(rank, 1.0 - rank)),
+        divergence(p, q),
+        0.5 * (divergence(p, 0.5 * (p + q)) + divergence(q, 0.5 * (p + q))),
+        float(wasserstein_distance(first, second) / max(first.std(), 1e-12)),
+    )
+
+
 def _separations(tables: dict[str, list[Floats]]) -> Iterator[Separation]:
     """Areas under the curve of a forest that is trained on some images and tested on others."""
     try:
         from sklearn.ensemble import ExtraTreesClassifier
         from sklearn.metrics import roc_auc_score
-        from sklearn.model_selection import StratifiedKFold, cross_val_predict
+        from sklearn.model_selection import StratifiedGroupKFold, StratifiedKFold, cross_val_predict
     except ImportError:
         return
-    is_second = np.repeat([0, 1], [len(table) for table in next(iter(tables.values()))])
+    counts = [len(table) for table in next(iter(tables.values()))]
+    is_second = np.repeat([0, 1], counts)
+    runs = np.concatenate([np.arange(counts[0]) // RUN, counts[0] + np.arange(counts[1]) // RUN])
     whole = np.concatenate([np.concatenate(pair) for pair in tables.values()], axis=1)
-    for by, values in {"all": whole, **{group: np.concatenate(pair) for group, pair in tables.items()}}.items():
+    groups = {group: np.concatenate(pair) for group, pair in tables.items()}
+    for by, values in {"all": whole, "all, runs apart": whole, **groups}.items():
         forest = ExtraTreesClassifier(TREES, min_samples_leaf=2, class_weight="balanced", random_state=0)
-        folds = StratifiedKFold(FOLDS, shuffle=True, random_state=0)
-        chance = cross_val_predict(forest, values, is_second, cv=folds, method="predict_proba")[:, 1]
+        folds, kept = StratifiedKFold(FOLDS, shuffle=True, random_state=0), None
+        if "runs" in by:
+            number = min(FOLDS, *(-(-count // RUN) for count in counts))
+            if number < 2:
+                continue
+            folds, kept = StratifiedGroupKFold(number, shuffle=True, random_state=0), runs
+        chance = cross_val_predict(forest, values, is_second, groups=kept, cv=folds, method="predict_proba")[:, 1]
         yield Separation(by, float(roc_auc_score(is_second, chance)))
 
 

@@ -1,5 +1,6 @@
-"""Formats of annotations: COCO, with boxes and masks of every target, and YOLO, with a text of boxes per image."""
+"""Formats of annotations: COCO, YOLO, Pascal VOC, Hugging Face and Croissant."""
 
+import hashlib
 import json
 import shutil
 import tempfile
@@ -7,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import IO, Any, Literal
+from xml.sax.saxutils import escape
 
 from insonify.io.atomic import replacing, write_text
 from insonify.io.object_store import in_store
@@ -14,6 +16,20 @@ from insonify.scene.base import Family, Kind, parameter
 
 ANNOTATIONS = Family("annotations")
 EXTENTS = ("echo", "shadow", "both")  # annotated parts of a target
+# Terms of Croissant's vocabulary that are used here, and the fields of `metadata.jsonl` that it describes.
+CROISSANT_CONTEXT = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "sc": "https://schema.org/",
+    "cr": "http://mlcommons.org/croissant/",
+    "conformsTo": "http://purl.org/dc/terms/conformsTo",
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    **{name: f"cr:{name}" for name in ("recordSet", "field", "source", "fileObject", "extract", "column")},
+}
+CROISSANT_FIELDS = {
+    **dict.fromkeys(("file_name", "name", "split", "class", "side"), "sc:Text"),
+    **dict.fromkeys(("scene", "first_ping", "first_bin"), "sc:Integer"),
+}
 Extent = Literal["echo", "shadow", "both"]
 Collector = Callable[[Mapping[str, Any]], None]  # called with the annotations of one tile after the other
 
@@ -134,3 +150,97 @@ class Yolo(AnnotationKind, kind="yolo", rank=20):
         lines = [*(f"{roles.get(split, split)}: {split}/images" for split in splits), "names:" + " {}" * (not classes)]
         lines += [f"  {number}: {json.dumps(name)}" for number, name in enumerate(classes)]
         write_text(folder / "data.yaml", "\n".join(lines) + "\n")
+
+
+class Voc(AnnotationKind, kind="voc", rank=30):
+    """Pascal VOC: ``annotations`` beside ``images``, an XML file of boxes for each; pixels count from 1."""
+
+    of: Extent = parameter("both", "what the box of a target encloses: echo, shadow or both")
+
+    def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
+        """XML of size and boxes."""
+        rows, columns = tile["shape"]
+        lines = [f"<annotation><filename>{escape(tile['name'])}.png</filename>"]
+        lines.append(f"<size><width>{columns}</width><height>{rows}</height><depth>1</depth></size>")
+        for one in tile["targets"]:
+            if one[self.of] is not None:
+                x, y, width, height = one[self.of]["box"]
+                corners = {"xmin": x + 1, "ymin": y + 1, "xmax": x + width, "ymax": y + height}
+                box = "".join(f"<{name}>{place}</{name}>" for name, place in corners.items())
+                truncated = int(one["shown"] < 1.0)
+                lines.append(
+                    f"<object><name>{escape(one['class'])}</name><pose>Unspecified</pose><truncated>{truncated}"
+                    f"</truncated><difficult>0</difficult><bndbox>{box}</bndbox></object>"
+                )
+        return {"annotations": (".xml", "\n".join([*lines, "</annotation>\n"]).encode())}
+
+
+class HuggingFace(AnnotationKind, kind="huggingface", rank=40):
+    """Hugging Face: a line of class and boxes for each image in ``SPLIT/metadata.jsonl``, and a card, ``README.md``.
+
+    ``load_dataset(FOLDER)`` reads it, and its ``to_parquet`` writes Parquet.
+    """
+
+    of: Extent = parameter("both", "what the box of a target encloses: echo, shadow or both")
+
+    @contextmanager
+    def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
+        """Write lines as tiles come, of splits that have any; the card names the files, so that masks are left out."""
+        with ExitStack() as stack:
+            files: dict[str, IO[str]] = {}
+
+            def add(tile: Mapping[str, Any]) -> None:
+                split = tile["split"]
+                if split not in files:
+                    beside = stack.enter_context(replacing(folder / split / "metadata.jsonl"))
+                    files[split] = stack.enter_context(open(beside, "w", encoding="utf-8", newline=""))
+                found = [one for one in tile["targets"] if one[self.of] is not None]
+                objects = {"bbox": [one[self.of]["box"] for one in found], "category": [one["class"] for one in found]}
+                name = tile["file"].removeprefix(f"{split}/")
+                label = tile.get("class") or (objects["category"] or ["seabed"])[0]
+                files[split].write(json.dumps({"file_name": name, "label": label, "objects": objects}) + "\n")
+
+            yield add
+        lines = ["---", "configs:", "- config_name: default", "  data_files:"]
+        for split in files:
+            lines += [f"  - split: {split}", f"    path: [{split}/metadata.jsonl, {split}/images/**]"]
+        write_text(folder / "README.md", "\n".join([*lines, "---", "", "The set is described in `datasheet.md`.", ""]))
+
+
+class Croissant(AnnotationKind, kind="croissant", rank=50):
+    """Croissant 1.0: ``croissant.json`` describes files and fields of ``metadata.jsonl``, for search and loaders."""
+
+    @contextmanager
+    def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> Iterator[Collector]:
+        """Write the description, with the digest of the metadata, which are closed before it."""
+        yield _ignore
+        metadata = (folder / "metadata.jsonl").read_bytes()
+        file = {
+            "@type": "cr:FileObject",
+            "@id": "metadata.jsonl",
+            "name": "metadata.jsonl",
+            "contentUrl": "metadata.jsonl",
+            "encodingFormat": "application/jsonlines",
+            "sha256": hashlib.sha256(metadata).hexdigest(),
+        }
+        fields = [
+            {
+                "@type": "cr:Field",
+                "@id": f"tiles/{name}",
+                "name": name,
+                "dataType": kind,
+                "source": {"fileObject": {"@id": "metadata.jsonl"}, "extract": {"column": name}},
+            }
+            for name, kind in CROISSANT_FIELDS.items()
+            if f'"{name}": '.encode() in metadata.partition(b"\n")[0]
+        ]
+        described = {
+            "@context": CROISSANT_CONTEXT,
+            "@type": "sc:Dataset",
+            "conformsTo": "http://mlcommons.org/croissant/1.0",
+            "name": "side-scan-sonar",
+            "description": f"Simulated side-scan sonar with {', '.join(classes) or 'beds alone'}; see datasheet.md.",
+            "distribution": [file],
+            "recordSet": [{"@type": "cr:RecordSet", "@id": "tiles", "name": "tiles", "field": fields}],
+        }
+        write_text(folder / "croissant.json", json.dumps(described, indent=1) + "\n")

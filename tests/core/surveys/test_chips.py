@@ -18,7 +18,7 @@ from insonify.simulation import simulate
 from insonify.surveys.datasets import chips
 from insonify.surveys.datasets.chips import _displayed, _edges, _finish, _grey, _means, cut_chips
 from insonify.surveys.datasets.scenes import Draws, check_draws, draw_scene
-from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture
+from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling
 from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW
 from insonify.surveys.specification import read_specification
 from small_sets import SET, data_set, run_here
@@ -138,13 +138,13 @@ def test_windows_about_the_extent_have_the_proportions_of_echo_and_shadow():
     assert (2 * x + wide, 2 * y + high) == pytest.approx(shown.image.shape[::-1], abs=3.0)
 
 
-def test_ground_range_is_even_and_slant_range_may_begin_at_the_bed():
+def test_ground_range_is_even_and_slant_range_may_begin_past_the_first_returns():
     drawn = draw_scene(specification(negatives=0.0), BASE, 0)
     scene, view = drawn.scene, drawn.views[0]._replace(ground_range=0.0)
     chip, bins, bin_length = Chips(pixels=32, margin=1.0), scene.sonar.bins, scene.sonar.range / scene.sonar.bins
     shape = scene.track.pings, bins
     _, slant = _edges(drawn, view, shape, chip, Picture(water_column=False), None)
-    assert slant[0] * bin_length == pytest.approx(scene.altitude)
+    assert slant[0] * bin_length == pytest.approx(chips.PAST_NADIR * scene.altitude)
     _, ground = _edges(drawn, view, shape, chip, Picture(ground_range=True), None)
     ranges = np.sqrt(np.maximum((ground * bin_length) ** 2 - scene.altitude**2, 0.0))
     assert np.diff(ranges, 2) == pytest.approx(0.0, abs=1e-5)
@@ -177,6 +177,34 @@ def test_greys_keep_their_order_and_median_and_invert(scale):
     assert np.array_equal(_grey(amplitude, Picture(scale=scale, grey=0.3, inverted=True)), 255 - grey)
     faint = _grey(amplitude, Picture(scale=scale, darkest=0.2, brightest=0.6))
     assert (faint.min(), faint.max()) == (51, 153)
+
+
+def test_a_gain_keeps_the_shape_of_the_distribution_up_to_its_knee():
+    amplitude = np.random.default_rng(3).rayleigh(1.0, (200, 200))
+    grey = _grey(amplitude, Picture(scale="linear", black=0.0, grey=0.3, tone="gain", knee=0.6)) / 255.0
+    linear = 0.3 * amplitude / np.median(amplitude)
+    low = linear < 0.6
+    assert grey[low] == pytest.approx(linear[low], abs=0.005)
+    assert grey[~low] == pytest.approx(np.minimum(0.6 + chips.SATURATED * (linear[~low] - 0.6), 1.0), abs=0.005)
+
+
+def test_nearest_samples_keep_the_scatter_of_speckle_and_repeat():
+    noise = np.random.default_rng(2).rayleigh(1.0, (60, 60))
+    coarse = _displayed(noise, (np.linspace(0.0, 60.0, 31),) * 2, Picture(samples="nearest"))
+    assert np.array_equal(coarse, noise[1::2, 1::2])
+    fine = _displayed(noise, (np.linspace(0.0, 30.0, 61), np.linspace(0.0, 60.0, 61)), Picture(samples="nearest"))
+    assert np.array_equal(fine[::2], fine[1::2])
+    lines = _displayed(noise, (np.linspace(0.0, 60.0, 61),) * 2, Picture(samples="nearest", along=2.0))
+    assert np.array_equal(lines[::2], lines[1::2])
+
+
+def test_speckle_correlates_along_the_tow_over_the_length_that_is_given():
+    wanted = {"bin": 0.1, "step": 1.0, "beam": 2.0}
+    for grain in (1.0, 3.0):
+        changes = Sampling(**wanted, grain=grain).changes(BASE, None)
+        width = math.radians(changes["sonar.beam"]["width"])
+        wavelength = 1500.0 / changes["sonar.frequency"]
+        assert wavelength / (2.0 * width) == pytest.approx(0.1 * grain)
 
 
 def test_jpeg_and_lines_change_a_picture_as_they_are_asked_to():

@@ -8,6 +8,7 @@ import tarfile
 from collections import Counter
 from pathlib import Path
 from typing import Literal
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -192,6 +193,75 @@ def test_yolo_finds_the_images_from_any_folder(small, monkeypatch, start, file):
     assert declared["names"] == {0: "drum", 1: "rock"}
 
 
+@pytest.fixture(scope="module")
+def formats(tmp_path_factory):
+    """A set in all formats, and its metadata."""
+    folder = tmp_path_factory.mktemp("formats")
+    path = write_set(folder, SET, annotations='["coco", "yolo", "voc", "huggingface", "croissant"]', scenes="3")
+    assert run_here("dataset", str(path), "-o", str(folder / "set")) == 0
+    return folder / "set", [json.loads(line) for line in (folder / "set" / "metadata.jsonl").read_text().splitlines()]
+
+
+def test_voc_has_the_boxes_of_the_metadata_counted_from_one(formats):
+    folder, lines = formats
+    assert any(line["targets"] for line in lines)
+    for line in lines:
+        path = folder / line["file_name"].replace("/images/", "/annotations/").replace(".png", ".xml")
+        tree = ElementTree.parse(path)
+        assert [int(tree.findtext(f"size/{side}")) for side in ("height", "width")] == line["shape"]
+        boxes = [
+            [int(one.findtext(f"bndbox/{c}")) for c in ("xmin", "ymin", "xmax", "ymax")] for one in tree.iter("object")
+        ]
+        assert boxes == [[x + 1, y + 1, x + w, y + h] for x, y, w, h in (one["both"] for one in line["targets"])]
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_coco_is_read_by_its_own_library(formats):
+    coco = pytest.importorskip("pycocotools.coco")
+    folder, _ = formats
+    read = coco.COCO(str(folder / "train" / "coco-both.json"))
+    assert read.anns
+    for one in read.anns.values():
+        assert read.annToMask(one).sum() == one["area"]
+
+
+def test_hugging_face_loads_the_set_and_writes_parquet(formats, tmp_path):
+    datasets = pytest.importorskip("datasets")
+    folder, lines = formats
+    loaded = datasets.load_dataset(str(folder), cache_dir=str(tmp_path / "cache"))
+    for split, found in loaded.items():
+        wanted = [line for line in lines if line["split"] == split]
+        assert found.num_rows == len(wanted)
+        assert {len(row["objects"]["bbox"]) for row in found} == {len(line["targets"]) for line in wanted}
+        assert list(found[0]["image"].size) == wanted[0]["shape"][::-1]
+    loaded["train"].to_parquet(tmp_path / "train.parquet")
+    assert datasets.Dataset.from_parquet(str(tmp_path / "train.parquet")).num_rows == loaded["train"].num_rows
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_croissant_describes_fields_that_its_library_reads(formats):
+    croissant = pytest.importorskip("mlcroissant")
+    folder, lines = formats
+    records = croissant.Dataset(jsonld=str(folder / "croissant.json")).records("tiles")
+    assert [record["tiles/file_name"].decode() for record in records] == [line["file_name"] for line in lines]
+
+
+def test_fiftyone_reads_coco(formats):
+    fiftyone = pytest.importorskip("fiftyone")
+    folder, lines = formats
+    labels = {"dataset_type": fiftyone.types.COCODetectionDataset, "labels_path": str(folder / "train/coco-both.json")}
+    read = fiftyone.Dataset.from_dir(data_path=str(folder), **labels)
+    assert len(read) == sum(line["split"] == "train" for line in lines)
+
+
+def test_merged_sets_have_one_number_for_each_class():
+    bundled = [
+        read_specification(name, DatasetSpecification, "datasets") for name in bundled_specifications("datasets")
+    ]
+    assert len({tuple(one.classes) for one in bundled}) == 1
+    assert {group.name for one in bundled for group in one.targets} == set(bundled[0].classes)
+
+
 def test_yolo_without_classes_names_none(tmp_path):
     with Yolo().collect(tmp_path, SPLITS, []):
         pass
@@ -347,7 +417,8 @@ def test_grey_levels_are_decibels_about_the_median(tmp_path):
         ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
         ({"storage": '"tape"'}, "storage.kind: 'tape' is not a known kind; choose one of files, webdataset, zarr"),
         ({"storage": '"zarr"'}, "scenes: 8 is not a multiple of storage.scenes 16, which are stored together; give 16"),
-        ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a known kind; choose one of coco, yolo"),
+        ({"numbered": '["drum"]'}, "numbered: lacks the class 'rock'; add it, or leave numbered out"),
+        ({"annotations": '["xml"]'}, "annotations.0.kind: 'xml' is not a known kind; choose one of coco, yolo, voc, "),
         ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
         ({"splits": "{ Jobs = 1.0 }"}, "a split may not be named 'jobs', the folder of finished jobs; rename it"),
         ({"splits": '{ "../../evil" = 1.0 }'}, "'../../evil' is not a name; use letters, digits, - and _"),

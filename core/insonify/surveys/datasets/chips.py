@@ -14,10 +14,12 @@ from insonify.surveys.datasets.specification import Chips, DatasetSpecification,
 from insonify.surveys.datasets.tiles import RecordSide, take_side, targets_within
 from insonify.surveys.storages import Tile
 
+SATURATED = 0.4  # slope of grey over amplitude where the red of a bronze palette has saturated, over that below
 FLOOR = 1e-3  # of the amplitude of the bed, below which a logarithmic picture is black
 INK = 255
 SCALE_STEPS = np.array([0.5, 1.0, 2.0, 5.0])  # of scale lines, times a power of ten
 LEAST = 0.25  # of a target's length, which windows about its extent span at least
+PAST_NADIR = 1.08  # slant range in altitudes, at which pictures without the water column begin
 NARROWEST = 16  # pixels of a picture
 PAST = 2  # pings and bins past a window; its outermost pixels take parts of them
 
@@ -106,7 +108,10 @@ def _edges(
         along, across = 0.5 * (first + last), 0.5 * float(near + far)
         border = (chip.margin - 1.0) * max(last - first, float(far - near))  # of one breadth all around
         high, wide = (max(size + border, LEAST * view.length) for size in (last - first, float(far - near)))
-    begin = 0.0 if picture.water_column or picture.ground_range else height
+    # Without its water column a picture begins where the first returns of all pings have arrived.
+    begin = (
+        0.0 if picture.water_column else float(_distances(drawn, np.array(PAST_NADIR * height / bin_length), picture))
+    )
     end = float(_distances(drawn, np.array(bins), picture))
     high, wide = min(high, pings * step), min(wide, end - begin)
     sizes = np.array([high / chip.aspect, wide]) if chip.about == "extent" else np.ones(2)
@@ -125,10 +130,16 @@ def _displayed(values: Floats, edges: tuple[Floats, Floats], picture: Picture) -
     for axis, (edge, coarse) in enumerate(zip(edges, (picture.along, picture.across))):
         pixels = len(edge) - 1
         count = max(round(pixels / coarse), 8)
-        mean = _means(values, np.interp(np.linspace(0.0, pixels, count + 1), np.arange(pixels + 1.0), edge), axis)
-        factors = [1.0, 1.0]
-        factors[axis] = pixels / count
-        values = mean if count == pixels else np.asarray(zoom(mean, factors, order=1, grid_mode=True, mode="nearest"))
+        edge = np.interp(np.linspace(0.0, pixels, count + 1), np.arange(pixels + 1.0), edge)
+        if picture.samples == "nearest":
+            middles = 0.5 * (edge[1:] + edge[:-1])[((np.arange(pixels) + 0.5) * count / pixels).astype(int)]
+            values = values.take(np.clip(middles, 0, values.shape[axis] - 1).astype(int), axis)
+            continue
+        values = _means(values, edge, axis)
+        if count < pixels:
+            factors = [1.0, 1.0]
+            factors[axis] = pixels / count
+            values = np.asarray(zoom(values, factors, order=1, grid_mode=True, mode="nearest"))
     return values
 
 
@@ -152,9 +163,13 @@ def _grey(amplitude: Floats, picture: Picture) -> Bytes:
     power = {"linear": 1.0, "root": 0.5, "log": 0.0}[picture.scale]
     values = relative**power if power else np.log(np.maximum(relative, FLOOR))
     black, white = np.percentile(values, [picture.black, picture.white])
-    share = np.clip((values - black) / max(white - black, 1e-12), 0.0, 1.0)
-    if picture.grey is not None:
+    share = np.maximum((values - black) / max(white - black, 1e-12), 0.0)
+    if picture.grey is not None and picture.tone == "gain":
+        share *= picture.grey / max(float(np.median(share)), 0.02)
+    elif picture.grey is not None:
+        share = np.minimum(share, 1.0)
         share **= math.log(picture.grey) / math.log(float(np.clip(np.median(share), 0.02, 0.98)))
+    share = np.minimum(np.where(share > picture.knee, picture.knee + SATURATED * (share - picture.knee), share), 1.0)
     share = picture.darkest + (picture.brightest - picture.darkest) * share
     return np.rint(255.0 * (1.0 - share if picture.inverted else share)).astype(np.uint8)
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from insonify.files import bundled_meshes
@@ -17,6 +18,7 @@ from insonify.surveys.engine import FLAGS
 from insonify.surveys.storages import STORAGES, Files, StorageKind
 
 CLEAR = 1.2  # altitude over the height of a target, at least
+LEAST_FREQUENCY, MOST_FREQUENCY = 5e4, 2e6  # Hz, of a sonar whose frequency follows from the grain of its speckle
 SOUND_SPEED = 1500.0  # m/s, by which lengths of range become times
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][\w-]*$", max_length=60)]
 
@@ -95,6 +97,12 @@ class Sampling(Declaration):
     beam: float | None = parameter(
         None, "width of the beam at half of the range, in steps of the track", gt=0.0, le=1000.0
     )
+    grain: float | None = parameter(
+        None,
+        "correlation length of speckle along the tow, in steps of the track; with the beam it sets the frequency",
+        gt=0.0,
+        le=1000.0,
+    )
     node: float | None = parameter(None, "spacing of the nodes of the relief, in bins", gt=0.0, le=100.0)
     relief: bool = parameter(False, "whether lengths in seabed.relief are given in range bins")
     snr: float | None = parameter(
@@ -117,7 +125,12 @@ class Sampling(Declaration):
             found |= {"sonar.pulse": {"kind": "tone", "duration": 2.0 * self.pulse * unit / speed}}
         if self.beam is not None:
             width = math.degrees(math.atan(self.beam * step / (0.5 * reach)))
-            found |= {"sonar.beam": {"kind": "gaussian", "width": min(max(width, 0.02), 40.0)}}
+            width = min(max(width, 0.02), 40.0)
+            found |= {"sonar.beam": {"kind": "gaussian", "width": width}}
+            if self.grain is not None:
+                # Echoes correlate over half of the array, a wavelength over twice the beam.
+                wavelength = 2.0 * math.radians(width) * self.grain * step
+                found |= {"sonar.frequency": float(np.clip(speed / wavelength, LEAST_FREQUENCY, MOST_FREQUENCY))}
         if self.node is not None:
             found |= {"seabed.spacing": self.node * unit}
         if self.relief:
@@ -166,13 +179,22 @@ class Picture(Declaration):
     black: float = parameter(1.0, "percentile that is black", "%", ge=0.0, le=60.0)
     white: float = parameter(99.5, "percentile that is white", "%", ge=60.5, le=100.0)
     grey: float | None = parameter(None, "grey of the median, between darkest and brightest", gt=0.0, lt=1.0)
+    tone: Literal["exponent", "gain"] = parameter(
+        "exponent", "how the median gets its grey: by an exponent, or by a gain, in place of white"
+    )
+    knee: float = parameter(
+        1.0, "grey at which a primary of a coloured palette saturates, above which grey rises less", gt=0.0, le=1.0
+    )
     darkest: float = parameter(0.0, "grey level of black, above 0 for little contrast", ge=0.0, lt=0.3)
     brightest: float = parameter(1.0, "grey level of white", ge=0.3, le=1.0)
     inverted: bool = parameter(False, "whether strong echoes are dark")
     ground_range: bool = parameter(False, "whether the picture is over ground range, without the water column")
     water_column: bool = parameter(True, "whether the picture includes the water column")
-    along: float = parameter(1.0, "length of the average along the tow in pixels", ge=1.0, le=16.0)
-    across: float = parameter(1.0, "length of the average across the tow in pixels", ge=1.0, le=16.0)
+    along: float = parameter(1.0, "length of the average or repetition along the tow in pixels", ge=1.0, le=16.0)
+    across: float = parameter(1.0, "length of the average or repetition across the tow in pixels", ge=1.0, le=16.0)
+    samples: Literal["mean", "nearest"] = parameter(
+        "mean", "mean: averages, interpolated between; nearest: single samples, repeated where pixels are finer"
+    )
     jpeg: int | None = parameter(None, "JPEG quality of an earlier compression; none when left out", ge=5, le=100)
     lines: int = parameter(
         0, "least number of scale lines, at round distances; their spacing is the caption", ge=0, le=8
@@ -197,6 +219,9 @@ class DatasetSpecification(Declaration):
     base: FilePath = parameter(PLAIN_SCENE, "bundled scene, or TOML file, from which all scenes are derived")
     set: dict[str, Drawn] = parameter({}, "fields of the scene by their paths: values or distributions")
     targets: tuple[TargetGroup, ...] = parameter((), "classes of targets")
+    numbered: tuple[Name, ...] = parameter(
+        (), "classes of this set and of those to be merged with it, in order of their numbers; its own when left out"
+    )
     groups: Literal["all", "one"] = parameter("all", "whether a scene has targets of all groups or of one")
     tolerance: float = parameter(0.03, "accepted relative error of a record", gt=0.0, le=1.0)
     negatives: float = parameter(0.2, "share of the scenes without targets of these groups", ge=0.0, le=1.0)
@@ -234,10 +259,12 @@ class DatasetSpecification(Declaration):
 
     @model_validator(mode="after")
     def _classes_differ_and_jobs_are_whole(self) -> Self:
-        names = self.classes
+        names = [group.name for group in self.targets]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"targets: the class {twice!r} is declared twice; merge the two, or rename one")
+        if self.numbered and (strange := set(names) - set(self.numbered)):
+            raise ValueError(f"numbered: lacks the class {min(strange)!r}; add it, or leave numbered out")
         together = self.storage.scenes
         if self.scenes % together:
             whole = together * (self.scenes // together + 1)
@@ -249,5 +276,5 @@ class DatasetSpecification(Declaration):
 
     @property
     def classes(self) -> list[str]:
-        """Classes of targets, in order."""
-        return [group.name for group in self.targets]
+        """Classes of targets in the order of their numbers."""
+        return list(self.numbered) or [group.name for group in self.targets]
