@@ -157,6 +157,12 @@ BODIES: dict[str, tuple[Values | None, Values]] = {
         | SUNK
         | {"plan": "delta", "length": 7.0, "span": 5.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4},
     ),
+    "person": (
+        {"length": 3.0, "clothing": 0.5},
+        OF_TURNED
+        | {"form": "sack", "length": 2.0, "spread": 0.9, "bent": 0.6, "clothing": 1.0, "rope": 2.0, "buried": 0.5}
+        | {"seed": 2},
+    ),
 }
 for kind, (body, changes) in BODIES.items():
     needs = {} if body is None else {"targets": [{"kind": kind, **TURNED, **body}]}

@@ -15,6 +15,7 @@ from insonify.scene import build, edit, load_scene
 from insonify.scene.targets import Pit
 from insonify.scene.targets.aircraft import PLANS, ROTORS, Aircraft, PlanName
 from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
+from insonify.scene.targets.person import Person
 from insonify.scene.targets.wreck import FORMS, FormName, Wreck
 from insonify.simulation import prepare, simulate
 from insonify.statistics.record_statistics import measure_statistics
@@ -232,6 +233,31 @@ def test_fish_stand_over_it_and_a_current_digs_before_and_leaves_a_ridge_behind(
     assert heights.min() < -0.5
     assert along[np.argmin(heights)] < 0.0 < 8.0 < along[np.argmax(heights)]
     assert heights.max() == pytest.approx(0.35 * 0.5, rel=0.2)
+
+
+@pytest.mark.parametrize("form", ["person", "sack"])
+def test_a_person_is_as_long_as_declared_closed_and_lies_on_the_bed_with_what_belongs_to_it(form):
+    plain = {"position": (0.0, 0.0), "form": form, "spread": 0.0, "bent": 0.0, "clothing": 0.0}
+    still = Person(**plain).shape()
+    assert is_closed(still.triangles)
+    assert still.lowest == pytest.approx(0.0)
+    assert np.ptp(still.triangles, axis=(0, 1)) == pytest.approx([1.75, 0.55, 0.25], rel=0.35)
+    assert np.ptp(still.triangles[..., 0]) == pytest.approx(1.75, rel=0.05)
+    number = len(parts_of(still.triangles))
+    others = {"length": 1.6, "clothing": 1.0, "rope": 2.0, "buried": 0.3, "roll": 180.0, "pitch": 9.0}
+    others |= {"spread": 1.0, "bent": 0.7} if form == "person" else {}
+    for name, value in others.items():
+        shape = Person(**(plain | {name: value})).shape()
+        assert is_closed(shape.triangles)
+        assert shape.triangles.shape != still.triangles.shape or not np.allclose(shape.triangles, still.triangles), name
+        added = {"clothing": 6, "rope": 9}.get(name, 0)  # cloths; eight parts of a rope and its weight
+        assert len(parts_of(shape.triangles)) == number + added, name
+    wide = Person(**(plain | {"spread": 1.0})).shape()
+    assert form == "sack" or np.ptp(wide.triangles[..., 1]) > 2.0 * np.ptp(still.triangles[..., 1])
+    assert Person(**(plain | {"buried": 0.4})).shape().lowest == pytest.approx(-0.4 * np.ptp(still.triangles[..., 2]))
+    loose = {"position": (0.0, 0.0), "form": form, "clothing": 0.8}
+    assert not np.allclose(Person(**loose, seed=1).build().triangles, Person(**loose, seed=2).build().triangles)
+    assert np.array_equal(Person(**loose).build().triangles, Person(**loose).build().triangles)
 
 
 @pytest.mark.usefixtures("fixed_model")
