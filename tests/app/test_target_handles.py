@@ -157,7 +157,9 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     assert session.scene.targets[0].scale == 0.2
 
 
-@pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere", "wreck", "aircraft", "person", "hoop", "dumbbell"])
+@pytest.mark.parametrize(
+    "kind", ["box", "cone", "mesh", "pipe", "sphere", "wreck", "aircraft", "person", "hoop", "dumbbell"]
+)
 def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles.
 
