@@ -145,7 +145,7 @@ CHANGES |= fields("seabed.material[uniform]", K, speckle_shape=0.3)
 TURNED = {"position": [1.0, 12.0], "heading": 20.0, "pitch": 10.0, "roll": 5.0}
 TURNED |= {"material": {"name": "steel", "shininess": 4.0}}
 OF_TURNED = {"position": [1.0, 13.0], "heading": 50.0, "pitch": 30.0, "roll": 40.0}
-SUNK = {"seed": 2, "broken": 0.5, "buried": 0.3, "growth": 0.1, "scour": 0.5}
+SUNK = {"seed": 2, "broken": 0.5, "buried": 0.3, "growth": 0.1, "scour": 0.5, "current": 40.0, "fish": 30}
 BODIES: dict[str, tuple[Values | None, Values]] = {
     "pipe": (None, {"position": [2.0, 13.0], "radius": 0.6, "length": 3.0, "heading": 20.0, "pitch": 10.0}),
     "sphere": (None, {"position": [1.0, -13.0], "radius": 0.6}),
@@ -153,14 +153,20 @@ BODIES: dict[str, tuple[Values | None, Values]] = {
     "cone": ({"radius": 0.8, "height": 1.5}, OF_TURNED | {"radius": 0.9, "height": 1.2}),
     "mesh": ({"path": "tetrapod"}, OF_TURNED | {"path": "SHAPE", "scale": 1.2}),
     "wreck": (
-        {"length": 6.0, "decay": 0.4, "broken": 0.2},
+        {"length": 6.0, "decay": 0.4, "broken": 0.2, "scour": 0.2},
         OF_TURNED | SUNK | {"form": "dinghy", "length": 7.0, "beam": 3.0, "timber": True, "decay": 0.6},
     ),
     "aircraft": (
-        {"length": 6.0, "porosity": 0.3, "broken": 0.2},
+        {"length": 6.0, "porosity": 0.3, "broken": 0.2, "scour": 0.2},
         OF_TURNED
         | SUNK
         | {"plan": "delta", "length": 7.0, "span": 5.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4},
+    ),
+    "person": (
+        {"length": 3.0, "clothing": 0.5},
+        OF_TURNED
+        | {"form": "sack", "length": 2.0, "spread": 0.9, "bent": 0.6, "clothing": 1.0, "rope": 2.0, "buried": 0.5}
+        | {"seed": 2},
     ),
 }
 for kind, (body, changes) in BODIES.items():

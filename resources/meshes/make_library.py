@@ -352,6 +352,33 @@ def figure() -> Mesh:
     return joined(*parts)
 
 
+def log() -> Mesh:
+    """Sunken trunk of a tree with stubs of branches, 2.6 m."""
+    places = ((-1.3, 0.0, 0.19), (-0.4, 0.06, 0.17), (0.5, -0.02, 0.15), (1.3, 0.1, 0.11))
+    sections = [
+        [(x, y + r * math.cos(a), 0.19 + r * math.sin(a)) for a in np.arange(9) * math.pi / 4.5] for x, y, r in places
+    ]
+    parts = [hull([*one, *other]) for one, other in itertools.pairwise(sections)]
+    stubs = (
+        ((-0.6, 0.1, 0.2), (-0.4, 0.55, 0.45)),
+        ((0.4, -0.05, 0.2), (0.75, -0.4, 0.5)),
+        ((0.9, 0.1, 0.2), (1.2, 0.4, 0.2)),
+    )
+    return joined(*parts, *(rod(foot, tip, 0.05, 7) for foot, tip in stubs))
+
+
+def weed() -> Mesh:
+    """Bush of kelp whose blades lean one way, 1.2 m."""
+    random, parts = np.random.default_rng(5), []
+    for _ in range(26):
+        foot = np.append(random.normal(0.0, 0.18, 2), 0.0)
+        lean = np.array([random.uniform(0.2, 0.7), random.normal(0.0, 0.15), random.uniform(0.3, 0.75)])
+        blade = trimesh.creation.box((0.9 * float(np.linalg.norm(lean)), 0.09, 0.015))
+        pitch, heading = -math.degrees(math.atan2(lean[2], lean[0])), math.degrees(math.atan2(lean[1], lean[0]))
+        parts.append(turned(blade, roll=random.uniform(-50, 50), pitch=pitch, heading=heading, at=foot + 0.45 * lean))
+    return joined(*parts)
+
+
 LIBRARY: dict[str, Callable[[], Mesh]] = {
     "mine-cylinder": mine_cylinder,
     "mine-manta": mine_manta,
@@ -369,6 +396,8 @@ LIBRARY: dict[str, Callable[[], Mesh]] = {
     "crab-pot": crab_pot,
     "mooring-block": mooring_block,
     "figure": figure,
+    "log": log,
+    "weed": weed,
     "rock-round": lambda: rock(11, (1.1, 0.95, 0.8), 1.1, 4),
     "rock-flat": lambda: rock(29, (1.5, 1.15, 0.45), 0.7, 9),
     "rock-jagged": lambda: rock(37, (0.9, 0.8, 0.95), 1.6, 22),

@@ -89,6 +89,7 @@ ASIDE, FARTHER = (12.0, -16.0, 0.0), (12.0, -14.0, 0.0)
         ({"kind": "pipe", "radius": 0.5, "length": 20.0}, "thicken", ASIDE, FARTHER, {"radius": 0.75}),
         ({"kind": "box", "size": [4.0, 2.0, 1.5]}, "thicken", ASIDE, FARTHER, {"size.1": 3.0, "size.2": 2.25}),
         ({"kind": "cone", "radius": 0.5, "height": 1.2}, "thicken", ASIDE, FARTHER, {"height": 1.8}),
+        ({"kind": "aircraft", "plan": "dakota"}, "resize", EAST, (20.0, -20.0, 0.0), {"length": 38.86}),
     ],
 )
 def test_a_drag_moves_turns_resizes_or_thickens_and_keeps_the_length(target, action, start, end, edited):
@@ -156,7 +157,9 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     assert session.scene.targets[0].scale == 0.2
 
 
-@pytest.mark.parametrize("kind", ["box", "cone", "mesh", "pipe", "sphere", "wreck", "hoop", "dumbbell"])
+@pytest.mark.parametrize(
+    "kind", ["box", "cone", "mesh", "pipe", "sphere", "wreck", "aircraft", "person", "hoop", "dumbbell"]
+)
 def test_every_kind_with_a_size_has_a_handle_for_it(kind):
     """A drag of every handle of a size changes it, and each size of a kind is changed by one of its handles.
 

@@ -113,11 +113,11 @@ def test_what_planes_estimate_is_trusted_apart_in_pings_that_meet_targets():
     np.testing.assert_array_equal(both[1][..., 1], both[0][..., 1])
 
 
-@pytest.mark.parametrize(("planes", "pair"), [(5, "4 and 16"), (7, "8 and 16"), (12, "16 and 32")])
-def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes, pair):
+@pytest.mark.parametrize("planes", [5, 7, 12])
+def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes):
     packed = pack(load_scene("ripples"))
     made = choose_model(packed, 0.03, "auto", {"planes": str(planes)})
-    assert made.entry("planes").reason.startswith(f"{pair} planes differ by")
+    assert made.entry("planes").reason.startswith("4 and 16 planes differ by")
     poses = make_poses(packed.scene, packed.ground, spread_over_track(packed.scene, 16))
     some, many = (trace_model(packed, made.model._replace(planes=count), poses) for count in (planes, 256))
     missed = compare_records(packed.arrays, poses, some, many).beyond

@@ -14,7 +14,7 @@ PROFILE, SPEEDS = {"kind": "profile"}, [1520.0, 1519.0, 1501.0, 1500.0]
 HEAVE, ENDLESS = {"kind": "heave"}, {"kind": "power_law", "extent": "endless"}
 MIMIC, DULL, SPAN = {"kind": "mimic"}, {"specular": 0.0}, {"kind": "pipe", "gap": [[0.0, 0.0], [1.0, 1.0]]}
 HIGH = {"track.altitude": 26.0}
-OF_OTHERS = "belongs to kind 'pipe' or 'wreck' or 'aircraft', not to 'sphere'"
+OF_OTHERS = "belongs to kind 'pipe' or 'wreck' or 'aircraft' or 'person', not to 'sphere'"
 TWICE, BACK = [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]]  # gains twice at one time, and at an earlier one
 
 WRONG = [

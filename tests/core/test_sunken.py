@@ -6,14 +6,16 @@ from typing import get_args
 import numpy as np
 import pytest
 import trimesh
+from scipy import sparse
 
 from insonify import cli
 from insonify.files import bundled_meshes, bundled_targets, resources
 from insonify.io.meshes import read_mesh
 from insonify.scene import build, edit, load_scene
 from insonify.scene.targets import Pit
-from insonify.scene.targets.aircraft import PLANS, Aircraft, PlanName
+from insonify.scene.targets.aircraft import PLANS, ROTORS, Aircraft, PlanName
 from insonify.scene.targets.parts import bars, blocks, draw_shares, roughen, skin, tube
+from insonify.scene.targets.person import Person
 from insonify.scene.targets.wreck import FORMS, FormName, Wreck
 from insonify.simulation import prepare, simulate
 from insonify.statistics.record_statistics import measure_statistics
@@ -21,6 +23,8 @@ from insonify.terrain import build_ground
 
 WHOLE = {"position": (0.0, 0.0), "seed": 3}
 CASES = [(Wreck, "form", name) for name in FORMS] + [(Aircraft, "plan", name) for name in PLANS]
+OF_TYPES = ("tapered", "swordfish", "b-17", "mig-15", "huey")
+SEEN = [case for case in CASES if case[0] is Wreck or case[2] in OF_TYPES]
 SCENE = build(
     {
         "seabed": {"spacing": 0.25, "relief": {"kind": "fractal", "period": 64.0, "beta": 1.6, "rms": 0.02}},
@@ -95,14 +99,19 @@ def test_a_whole_one_is_as_long_and_as_broad_as_declared_and_each_closed_and_of_
     shares = ("decay",) if kind is Wreck else ("porosity", "crumpled")
     states = dict.fromkeys(shares, 0.0)
     whole = kind(**WHOLE, **states, **{name: value}, length=20.0)
-    size = np.ptp(whole.shape().triangles, axis=(0, 1))
-    assert size[0] == pytest.approx(20.0, rel=0.01)
-    assert size[1] == pytest.approx(whole.breadth, rel=0.02)
     wider = "beam" if kind is Wreck else "span"
     other = kind(**WHOLE, **states, **{name: value, wider: 1.3 * whole.breadth}, length=20.0)
-    assert np.ptp(other.shape().triangles[..., 1]) == pytest.approx(1.3 * whole.breadth, rel=0.02)
-    ends = whole.shape().triangles[..., 0]
-    assert ends.min() + ends.max() == pytest.approx(0.0, abs=0.2)
+    corners = whole.shape().triangles
+    if value in ROTORS:  # the rotor reaches ahead and beside
+        rotor = whole.pieces()[2]
+        assert np.hypot(rotor[..., 0] - 0.17 * 20.0, rotor[..., 1]).max() == pytest.approx(
+            0.5 * whole.breadth, rel=0.02
+        )
+    else:
+        assert np.ptp(corners[..., 0]) == pytest.approx(20.0, rel=0.01)
+        assert np.ptp(corners[..., 1]) == pytest.approx(whole.breadth, rel=0.02)
+        assert np.ptp(other.shape().triangles[..., 1]) == pytest.approx(1.3 * whole.breadth, rel=0.02)
+        assert corners[..., 0].min() + corners[..., 0].max() == pytest.approx(0.0, abs=0.2)
     for number in range(3):
         state = dict.fromkeys(shares, 0.5 * number) | ({"engines": 4} if kind is Aircraft else {})
         shape = kind(position=(0, 0), seed=number, broken=0.4 * number, **state, **{name: value}).shape()
@@ -117,9 +126,18 @@ def test_the_same_fields_make_the_same_mesh_and_every_field_another(kind):
     base = {"position": (0.0, 0.0), "broken": 0.3, "growth": 0.05}
     first = kind(**base).build().triangles
     assert np.array_equal(first, kind(**base).build().triangles)
-    others = {"length": 13.0, "seed": 2, "broken": 0.5, "buried": 0.2, "growth": 0.1, "pitch": 8.0, "roll": 8.0}
+    others = {
+        "length": 13.0,
+        "fish": 3,
+        "seed": 2,
+        "broken": 0.5,
+        "buried": 0.2,
+        "growth": 0.1,
+        "pitch": 8.0,
+        "roll": 8.0,
+    }
     of_wreck = {"form": "tug", "beam": 5.0, "timber": True, "decay": 0.6}
-    of_aircraft = {"plan": "delta", "span": 9.0, "engines": 2, "tail": "twin", "porosity": 0.5, "crumpled": 0.4}
+    of_aircraft = {"plan": "delta", "span": 9.0, "engines": 2, "tail": "high", "porosity": 0.5, "crumpled": 0.4}
     others |= of_wreck if kind is Wreck else of_aircraft
     for name, value in others.items():
         changed = kind(**{**base, name: value}).build().triangles
@@ -158,8 +176,92 @@ def test_scour_changes_the_bed_about_a_wreck_alone(extent):
     assert change.min() == pytest.approx(-0.8, abs=0.03)
 
 
+def parts_of(triangles):
+    """Number of triangles in each closed part."""
+    corners = np.unique(np.rint(triangles.reshape(-1, 3) * 1e6), axis=0, return_inverse=True)[1].reshape(-1, 3)
+    edges = np.concatenate([corners[:, :2], corners[:, 1:]])
+    links = sparse.coo_array((np.ones(len(edges)), edges.T), shape=2 * (corners.max() + 1,))
+    return np.bincount(sparse.csgraph.connected_components(links)[1][corners[:, 0]])
+
+
+@pytest.mark.parametrize("plan", [name for name in PLANS if name not in ROTORS])
+def test_wings_mirror_one_another_and_an_impact_leaves_them_straight(plan):
+    whole, bent = (Aircraft(position=(0, 0), plan=plan, porosity=0, crumpled=c).pieces() for c in (0.0, 0.8))
+    port, starboard = (piece.reshape(-1, 3) for piece in whole[2:4])
+    assert port.max(axis=0) == pytest.approx(np.multiply(starboard, [1.0, -1.0, 1.0]).max(axis=0), abs=1e-9)
+    # Turned as a whole: its spread along the span remains.
+    spreads = [
+        np.linalg.svd(mesh.reshape(-1, 3) - mesh.mean(axis=(0, 1)), compute_uv=False)[0] for mesh in (whole[2], bent[2])
+    ]
+    assert spreads[1] == pytest.approx(spreads[0], rel=0.02)
+
+
+def test_the_types_have_their_published_dimensions_and_a_length_scales_them():
+    # Crew manuals and type records: span and length in metres.
+    for plan, span, length, engines in (
+        ("spitfire", 11.23, 9.12, 1),
+        ("b-17", 31.62, 22.66, 4),
+        ("dakota", 28.96, 19.43, 2),
+    ):
+        craft = Aircraft(position=(0.0, 0.0), plan=plan)
+        assert (craft.breadth, craft.overall_length, craft.value_in_force("engines")) == (span, length, engines)
+        half = Aircraft(position=(0.0, 0.0), plan=plan, length=0.5 * length)
+        assert half.breadth == pytest.approx(0.5 * span)
+    assert Aircraft.suited_to(1000.0, "") == {"length": 12.0}
+
+
+def test_what_breaks_off_turns_at_its_joint_and_the_body_stays():
+    whole, broken = (Aircraft(position=(0.0, 0.0), plan="b-17", broken=share, seed=5) for share in (0.0, 0.2))
+    pieces = whole.pieces()
+    apart = [*broken._torn(broken.pieces(), 0.0)]
+    assert np.array_equal(apart[0], broken.pieces()[0])
+    moved = [np.abs(a - b).max() > 0.0 for a, b in zip(broken.pieces(), apart)]
+    assert any(moved)
+    assert not all(moved)
+    assert len(broken.pieces()) <= len(pieces) == 8
+
+
+def test_fish_stand_over_it_and_a_current_digs_before_and_leaves_a_ridge_behind():
+    bare, full = (Wreck(position=(0.0, 0.0), length=20.0, fish=count) for count in (0, 30))
+    assert np.array_equal(full.shape().triangles[: len(bare.shape().triangles)], bare.shape().triangles)
+    fish = full.shape().triangles[len(bare.shape().triangles) :]
+    assert len(parts_of(fish)) == 30
+    assert fish[..., 2].min() > 0.3 * bare.shape().triangles[..., 2].max()
+    pit = Pit(0.0, 0.0, 30.0, (8.0, 4.0), 0.5, 30.0)
+    along = np.linspace(-24.0, 24.0, 481)
+    heights = pit.heights(along * np.cos(np.pi / 6), along * np.sin(np.pi / 6))
+    assert heights.min() < -0.5
+    assert along[np.argmin(heights)] < 0.0 < 8.0 < along[np.argmax(heights)]
+    assert heights.max() == pytest.approx(0.35 * 0.5, rel=0.2)
+
+
+@pytest.mark.parametrize("form", ["person", "sack"])
+def test_a_person_is_as_long_as_declared_closed_and_lies_on_the_bed_with_what_belongs_to_it(form):
+    plain = {"position": (0.0, 0.0), "form": form, "spread": 0.0, "bent": 0.0, "clothing": 0.0}
+    still = Person(**plain).shape()
+    assert is_closed(still.triangles)
+    assert still.lowest == pytest.approx(0.0)
+    assert np.ptp(still.triangles, axis=(0, 1)) == pytest.approx([1.75, 0.55, 0.25], rel=0.35)
+    assert np.ptp(still.triangles[..., 0]) == pytest.approx(1.75, rel=0.05)
+    number = len(parts_of(still.triangles))
+    others = {"length": 1.6, "clothing": 1.0, "rope": 2.0, "buried": 0.3, "roll": 180.0, "pitch": 9.0}
+    others |= {"spread": 1.0, "bent": 0.7} if form == "person" else {}
+    for name, value in others.items():
+        shape = Person(**(plain | {name: value})).shape()
+        assert is_closed(shape.triangles)
+        assert shape.triangles.shape != still.triangles.shape or not np.allclose(shape.triangles, still.triangles), name
+        added = {"clothing": 6, "rope": 9}.get(name, 0)  # cloths; eight parts of a rope and its weight
+        assert len(parts_of(shape.triangles)) == number + added, name
+    wide = Person(**(plain | {"spread": 1.0})).shape()
+    assert form == "sack" or np.ptp(wide.triangles[..., 1]) > 2.0 * np.ptp(still.triangles[..., 1])
+    assert Person(**(plain | {"buried": 0.4})).shape().lowest == pytest.approx(-0.4 * np.ptp(still.triangles[..., 2]))
+    loose = {"position": (0.0, 0.0), "form": form, "clothing": 0.8}
+    assert not np.allclose(Person(**loose, seed=1).build().triangles, Person(**loose, seed=2).build().triangles)
+    assert np.array_equal(Person(**loose).build().triangles, Person(**loose).build().triangles)
+
+
 @pytest.mark.usefixtures("fixed_model")
-@pytest.mark.parametrize(("kind", "name", "value"), CASES)
+@pytest.mark.parametrize(("kind", "name", "value"), SEEN)
 def test_each_returns_an_echo_and_casts_a_shadow(kind, name, value):
     target = {"kind": kind.__name__.lower(), "position": [12.0, 20.0], "length": 10.0, name: value}
     record = simulate(edit(SCENE, {"targets": [target]}), truth=True)

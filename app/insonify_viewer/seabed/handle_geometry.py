@@ -92,7 +92,8 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
         heading = float(target.attitude[0]) + turned
         return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
     factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
-    return {f"{path}.{name}": _scaled(part_at(target, name), factor) for name in target.sizes[handle.action]}
+    sizes = {name: part_at(target, name) or target.value_in_force(name) for name in target.sizes[handle.action]}
+    return {f"{path}.{name}": _scaled(size, factor) for name, size in sizes.items() if size is not None}
 
 
 def echo_mark(simulation: Simulation, place: Place) -> Mark | None:

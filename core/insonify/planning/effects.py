@@ -129,9 +129,9 @@ def _say_method(case: Case, model: Model, error: float) -> Said:
 # Planes across the beam, and across targets
 
 
-def plane_law(case: Case, across: int, planes: int) -> PlaneLaw:
+def plane_law(case: Case, across: int, planes: int = FEW_PLANES) -> PlaneLaw:
     """Errors by the number of planes, measured by that number, or the most affordable, beside the finest of effects."""
-    if case.probe.size < ENOUGH_PINGS:
+    if case.probe.size < ENOUGH_PINGS or planes == FEW_PLANES:
         return case.probe.law(*_planes_probed(case, across))
     few = max(planes, LEAST_PLANES)  # a ping that meets targets has several
     many = max(2 ** math.ceil(math.log2(2 * few)), MANY_PLANES)
@@ -142,17 +142,6 @@ def plane_law(case: Case, across: int, planes: int) -> PlaneLaw:
 
 def _is_affordable(case: Case, across: int, planes: int) -> bool:
     return planes <= MOST_MEASURED and case.probe.affords(_planes_probed(case, across, planes)[0])
-
-
-def enough_planes(case: Case, across: int, counts: list[int], most: float) -> int:
-    """Fewest of some numbers of planes by which most pings measured are within an error; the greatest if by none."""
-    count, law = 0, plane_law(case, across, FEW_PLANES)
-    while True:
-        # A law tells which number to try, and is measured again by that number.
-        count = next((each for each in counts if each > count and law.usual(each) <= most), counts[-1])
-        law = plane_law(case, across, count)
-        if law.usual(count) <= most or count == counts[-1]:
-            return count
 
 
 def _planes_probed(case: Case, across: int, few: int = FEW_PLANES, many: int = MANY_PLANES) -> tuple[Model, Model]:
@@ -181,7 +170,7 @@ def planes_error(case: Case, model: Model) -> float:
         if model.planes == 1:  # over a level bed of several materials, which pings do not measure themselves
             many = _planes_probed(case, model.across)[1]
             return case.probe.difference(many._replace(planes=1), many, nearer=1.0)
-    return plane_law(case, model.across, model.planes).of(model.planes)
+    return plane_law(case, model.across).of(model.planes)
 
 
 def _say_planes(case: Case, model: Model, error: float) -> Said | None:
@@ -195,7 +184,7 @@ def _say_planes(case: Case, model: Model, error: float) -> Said | None:
     elif model.planes == 1 and not forced:
         reason = f"on a level bed, 1 and {MANY_PLANES} planes differ by {percent(error)} on {case.pings}"
     else:
-        law = plane_law(case, model.across, model.planes)
+        law = plane_law(case, model.across)
         reason = f"{law.few} and {law.many} planes differ by {percent(law.error)} on "
         reason += f"{case.pings}; estimated error with {model.planes}: {percent(error)}"
         if not forced:

@@ -13,7 +13,6 @@ from insonify.planning.effects import (
     OF_PLANES,
     ROWS,
     Effect,
-    enough_planes,
     plane_law,
     planes_error,
     remark,
@@ -117,7 +116,7 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     share = cost / apart if apart > 0.0 else 1.0
     entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
     if goal is not None and model.planes > 1:  # pings of a greater error have more planes
-        least = max(goal.tolerance, plane_law(case, model.across, model.planes).of(MOST_PLANES))
+        least = max(goal.tolerance, plane_law(case, model.across).of(MOST_PLANES))
         entries = [
             replace(each, error=min(each.error, least)) if each.subject == "planes" else each for each in entries
         ]
@@ -189,7 +188,7 @@ def list_alternatives(case: Case, made: Plan, tolerance: float) -> list[Alternat
             continue
         coarser = model._replace(**{row.field: values[place - 1]})
         is_planes = row.subject == "planes" and coarser.planes > 1
-        law = plane_law(case, model.across, model.planes) if is_planes else None
+        law = plane_law(case, model.across) if is_planes else None
         error = row.judge(case, coarser, tolerance) if law is None else law.usual(coarser.planes)
         said = row.say(case, coarser, error)
         if said is not None:
@@ -228,7 +227,9 @@ def _choose(case: Case, row: Effect, model: Model, tolerance: float) -> Model:
     if row.subject == "planes" and coarser:
         if values[0] == 1 and planes_error(case, coarser[0]) <= most:
             return coarser[0]
-        return model._replace(planes=enough_planes(case, model.across, [n for n in values if n > 1], most))
+        law = plane_law(case, model.across)
+        enough = (count for count in values if count > 1 and law.usual(count) <= most)
+        return model._replace(planes=next(enough, values[-1]))
     if coarser and not _is_able(case, row, finest):
         most = tolerance
     able = (one for one in coarser if _is_able(case, row, one) and row.judge(case, one, tolerance) <= most)

@@ -19,6 +19,7 @@ Position = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Height]
 TARGETS = Family("targets", "insonify.scene.targets")
 LEAST = 0.001  # m, of a target's dimensions
 RIM = 0.6  # of a pit: height of its rim is 0.11 of its depth
+LEE, RIDGE = 0.5, 0.35  # of a pit's depth: what a current digs more before it than behind; height of its ridge
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
@@ -30,6 +31,7 @@ class Pit(NamedTuple):
     heading: float  # of its long axis, counter-clockwise from +x, in degrees
     half: tuple[float, float]  # m, from the middle along and across the axis to where the bed is little changed
     depth: float  # m, of the middle; a negative one is a mound
+    current: float | None = None  # direction of the flow, which digs before the middle and leaves a ridge behind, °
 
     def heights(self, x: Floats, y: Floats) -> Floats:
         """Change of the height of the bed at places, in metres."""
@@ -37,7 +39,14 @@ class Pit(NamedTuple):
         dx, dy = x - self.x, y - self.y
         along, across = dx * ahead[0] + dy * ahead[1], dy * ahead[0] - dx * ahead[1]
         squared = (along / self.half[0]) ** 2 + (across / self.half[1]) ** 2
-        return np.asarray(-self.depth * (1.0 - RIM * squared) * np.exp(-squared))
+        even = (1.0 - RIM * squared) * np.exp(-squared)
+        if self.current is None:
+            return np.asarray(-self.depth * even)
+        flow = math.radians(self.current - self.heading)
+        u, v = along / self.half[0], across / self.half[1]
+        behind, beside = u * math.cos(flow) + v * math.sin(flow), v * math.cos(flow) - u * math.sin(flow)
+        ridge = np.exp(-(((behind - 1.7) / 1.1) ** 2) - (beside / 0.45) ** 2)
+        return np.asarray(-self.depth * (even * (1.0 - LEE * np.tanh(2.0 * behind)) - RIDGE * ridge))
 
 
 class BedSurface(Protocol):

@@ -13,6 +13,7 @@ from insonify.errors import located
 from insonify.scene import Scene, SceneError, edit, plain
 from insonify.scene.base import Model, is_field
 from insonify.scene.faults import describe_fault
+from insonify.scene.targets.shape import Outline
 from insonify.surveys.datasets.specification import Chips, DatasetSpecification, Picture, Sampling, TargetGroup
 from insonify.surveys.distributions import DistributionKind, OneOf, Uniform
 from insonify.tow.line import tow_line_at
@@ -77,7 +78,7 @@ class View(NamedTuple):
     along: float  # share of the tow
     channel: int  # side of the record, 0 to port and 1 to starboard
     ground_range: float  # m
-    length: float  # m, of the target
+    length: float  # m, of the target, or its breadth where that is more
 
 
 class DrawnScene(NamedTuple):
@@ -205,15 +206,20 @@ def _put_targets(
     scene = edit(scene, {"targets": own + bare, **changes})
     outlines = [target.outline for target in scene.targets[first:]]
     if sampling is not None:
-        length, height = 2.0 * outlines[0].extent((1.0, 0.0, 0.0)), outlines[0].extent((0.0, 0.0, 1.0))
-        scene = edit(scene, sampling.changes(scene, length, height))
+        height = outlines[0].extent((0.0, 0.0, 1.0))
+        scene = edit(scene, sampling.changes(scene, _length(outlines[0]), height))
     placed = _places(scene, wanted, [outline.radius for outline in outlines], draws)
     scene = edit(scene, {f"targets.{first + n}.position": place for n, (place, _) in enumerate(placed)})
     views = [
-        view._replace(target=first + n, length=2.0 * outline.extent((1.0, 0.0, 0.0)))
+        view._replace(target=first + n, length=_length(outline))
         for n, (outline, (_, view)) in enumerate(zip(outlines, placed))
     ]
     return scene, {first + n: one.group.name for n, one in enumerate(wanted)}, views
+
+
+def _length(outline: Outline) -> float:
+    """Length of a target on the bed, or its breadth where that is more, as of the wings of an aircraft; in metres."""
+    return 2.0 * max(outline.extent((1.0, 0.0, 0.0)), outline.extent((0.0, 1.0, 0.0)))
 
 
 def _wanted(group: TargetGroup, draws: Draws) -> Iterator[_Wanted]:

@@ -61,7 +61,8 @@ class DatasetWork:
     def warm_up(self) -> None:
         """Simulate a few pings of the first scene."""
         scene = draw_scene(self.specification, self.base, 0).scene
-        simulate(edit(scene, {"track.pings": min(WARMING, scene.track.pings)}), truth=True)
+        few = edit(scene, {"track.pings": min(WARMING, scene.track.pings)})
+        simulate(few, truth="targets", tolerance=self.specification.tolerance)  # as `cut` does
 
     def cut(self, drawn: DrawnScene) -> Iterator[Tile]:
         """Simulate a scene and cut its record."""
