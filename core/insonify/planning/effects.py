@@ -134,10 +134,9 @@ def plane_law(case: Case, across: int, planes: int = FEW_PLANES) -> PlaneLaw:
     if case.probe.size < ENOUGH_PINGS or planes == FEW_PLANES:
         return case.probe.law(*_planes_probed(case, across))
     few = max(planes, LEAST_PLANES)  # a ping that meets targets has several
-    many = max(2 ** math.ceil(math.log2(2 * few)), MANY_PLANES)
-    while few > FEW_PLANES and not _is_affordable(case, across, many):
-        few, many = many // 4, many // 2
-    return case.probe.law(*_planes_probed(case, across, few, max(many, MANY_PLANES)))
+    while few > FEW_PLANES and not _is_affordable(case, across, 2 * few):
+        few //= 2
+    return case.probe.law(*_planes_probed(case, across, few, max(2 * few, MANY_PLANES)))
 
 
 def _is_affordable(case: Case, across: int, planes: int) -> bool:

@@ -228,8 +228,7 @@ def _choose(case: Case, row: Effect, model: Model, tolerance: float) -> Model:
         if values[0] == 1 and planes_error(case, coarser[0]) <= most:
             return coarser[0]
         law = plane_law(case, model.across)
-        enough = (count for count in values if count > 1 and law.usual(count) <= most)
-        return model._replace(planes=next(enough, values[-1]))
+        return model._replace(planes=next((n for n in values if n > 1 and law.usual(n) <= most), values[-1]))
     if coarser and not _is_able(case, row, finest):
         most = tolerance
     able = (one for one in coarser if _is_able(case, row, one) and row.judge(case, one, tolerance) <= most)
