@@ -390,12 +390,17 @@ def test_errors_of_bins_lie_over_their_bins_and_are_taken_off(viewer, panel, qtb
     view = viewer.window.waterfall
     share = 1.5 * viewer.session.modelling.tolerance  # half of that in full colour
     errors = np.array([[0.0], [share]], np.float32)
-    monkeypatch.setattr(
-        pixel, "find_bin_errors", lambda _, pings: np.broadcast_to(errors, (len(pings), 2, view.record.bins))
-    )
+    asked: list[int] = []
+
+    def find_errors(_, pings):
+        asked.extend(pings.tolist())
+        return np.broadcast_to(errors, (len(pings), 2, view.record.bins))
+
+    monkeypatch.setattr(pixel, "find_bin_errors", find_errors)
     plain, plot, middle = colours_of(view.grab().toImage()), view.plot_area, view.plot_area.center()
     panel.view.errors.setChecked(True)
-    qtbot.waitUntil(lambda: (colours_of(view.grab().toImage()) != plain).any())
+    qtbot.waitUntil(lambda: view.errors.shares.any(axis=1).all())
+    assert sorted(asked) == list(range(view.record.pings)), "every ping on screen, once"
     over = colours_of(view.grab().toImage())
     changed = (over != plain)[plot.top() : plot.bottom(), :]
     assert not changed[:, : middle.x() - 1].any(), "port has no error"

@@ -55,7 +55,7 @@ class RecordCanvas(Painted):
         self.levels: Levels = (0.0, 1.0)
         self._look, self._zoom = DisplayOptions(), Zoom()
         self._marks = overlays.RecordMarks()
-        self._errors: overlays.BinErrors | None = None
+        self.errors: overlays.BinErrors | None = None
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
@@ -153,7 +153,7 @@ class RecordCanvas(Painted):
 
     def show_errors(self, errors: overlays.BinErrors | None) -> None:
         """Lay errors of bins over the record; None takes them away."""
-        self._errors = errors
+        self.errors = errors
         self.update()
 
     def toggle_trace(self) -> None:
@@ -301,8 +301,8 @@ class RecordCanvas(Painted):
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""
-        if self._errors is not None and self._errors.shares.shape[1] == 2 * self.record.bins:
-            overlays.draw_errors(painter, plot, self.projection, self._errors)
+        if self.errors is not None and self.errors.shares.shape[1] == 2 * self.record.bins:
+            overlays.draw_errors(painter, plot, self.projection, self.errors)
         if self._look.range_lines:
             overlays.draw_range_lines(painter, plot, self.projection, self._text)
         if self._look.bottom_line:

@@ -1,11 +1,12 @@
 """Shows records by the display options, measures on them, and keeps contacts."""
 
 import time
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from insonify.arrays import Floats
+from insonify.arrays import Floats, Singles
 from insonify.io.contacts import Contact
 from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
@@ -27,9 +28,11 @@ from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.record_overlays import BinErrors
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark, mark_of
+from insonify_viewer.work.newest_wins import NewestWins
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
-ERRORS_OF, FULL = 64, 3.0  # number of pings with errors drawn bin by bin; error, in tolerances, drawn in full colour
+ERRORS_AT_ONCE = 64  # pings whose errors are estimated bin by bin before they are shown
+FULL = 3.0  # error, in tolerances, drawn in full colour
 OFTEN = 0.25  # s between two histograms of a record that grows
 ABOVE = 4  # a contact is shown this part of the screen below its edge
 
@@ -49,6 +52,12 @@ class RecordPanel(Panel):
         self._hovered: tuple[WaterfallView, Mark] | None = None
         self._followed = 0.0  # when histogram and drape last followed the record
         self._draped = False
+        self._errors: dict[int, Singles] = {}  # of the bins of pings of a simulation, from far port to far starboard
+        self._errors_of: Simulation | None = None
+        send = partial(workbench.simulator.executor.submit, "errors of the record")
+        self._error_question = NewestWins(
+            lambda: self._errors_wanted, send, _bin_errors, self._take_errors, in_turn=True
+        )
         self._measured: Measurement | None = None  # the last line
         self.contacts = workbench.contacts
         self.view = RecordView()
@@ -134,30 +143,39 @@ class RecordPanel(Panel):
         self._draped = wanted
 
     def _show_errors(self) -> None:
-        """Lay the errors of the bins of every few pings over the simulated record, or take them off."""
-        simulation, record = self._simulation, self._simulated.record
-        shown = record.shown(self._simulated.top)
-        pings = shown[record.ping[record.rows(shown)] == shown][:: len(shown) // ERRORS_OF + 1]
+        """Lay the errors of bins over the simulated record, or take them off; some pings more are asked for."""
+        record, simulation = self._simulated.record, self._simulation
         if not self.view.errors.isChecked() or simulation is None:
             self._simulated.show_errors(None)
             return
+        if self._errors_of is not simulation:
+            self._errors, self._errors_of = {}, simulation
+        pings = record.shown(self._simulated.top)
+        blank = np.zeros(2 * record.bins, np.float32)
+        self._errors = {ping: self._errors[ping] for ping in pings.tolist() if ping in self._errors}
+        shares = np.stack([self._errors.get(ping, blank) for ping in pings.tolist()])
+        full = FULL * self._session.modelling.tolerance
+        self._simulated.show_errors(BinErrors(pings, shares, record.altitude_of(pings), full))
+        self._error_question.ask()
 
-        def work() -> BinErrors:
-            # lazy: loads Numba on the thread; the window opens before
-            from insonify.explanation.pixel import find_bin_errors
+    @property
+    def _errors_wanted(self) -> tuple[Simulation, tuple[int, ...]] | None:
+        """The next pings on screen whose errors are not known."""
+        record, simulation = self._simulated.record, self._simulation
+        if not self.view.errors.isChecked() or simulation is None:
+            return None
+        shown = record.shown(self._simulated.top)
+        traced = shown[record.ping[record.rows(shown)] == shown].tolist()
+        lacking = tuple(ping for ping in traced if ping not in self._errors)[:ERRORS_AT_ONCE]
+        return (simulation, lacking) if lacking else None
 
-            found = find_bin_errors(simulation, pings)
-            shares = np.nan_to_num(np.concatenate([found[:, 0, ::-1], found[:, 1]], axis=1))
-            full = FULL * self._session.modelling.tolerance
-            return BinErrors(pings, shares, np.nan_to_num(simulation.altitude(pings)), full)
-
-        self._workbench.simulator.executor.submit("errors of the record", work, self._take_errors)
-
-    def _take_errors(self, errors: BinErrors | None) -> None:
-        if self.view.errors.isChecked() and errors is not None:
-            self._simulated.show_errors(errors)
-            if not errors.shares.any():
-                self._workbench.say("the method of this record gives no estimate of the error of its bins")
+    def _take_errors(self, found: tuple[Simulation, dict[int, Singles]] | None) -> None:
+        if found is None or found[0] is not self._simulation:
+            return
+        self._errors |= found[1]
+        if not any(shares.any() for shares in found[1].values()):
+            self._workbench.say("the method of this record gives no estimate of the error of its bins")
+        self._show_errors()
 
     def _show_colours(self) -> None:
         """Show the colours of levels, unless the panel is hidden, as before the window shows."""
@@ -316,3 +334,12 @@ class RecordPanel(Panel):
             self._workbench.go_to(ahead)
         view.show_zoom(Zoom())
         self.view.contacts.choose(row)
+
+
+def _bin_errors(simulation: Simulation, pings: tuple[int, ...]) -> tuple[Simulation, dict[int, Singles]]:
+    """Errors of the bins of pings as shares of their mean echoes, from far port to far starboard; 0 if not known."""
+    # lazy: loads Numba on the thread; the window opens before
+    from insonify.explanation.pixel import find_bin_errors
+
+    found = np.nan_to_num(find_bin_errors(simulation, np.array(pings)))
+    return simulation, dict(zip(pings, np.concatenate([found[:, 0, ::-1], found[:, 1]], axis=1)))
