@@ -19,16 +19,23 @@ from insonify.explanation import pixel as explained
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection
 from insonify_viewer.panels.comparison import controller as comparison
+from insonify_viewer.panels.panel import Place
 from insonify_viewer.panels.pixel import controller as pixel
+from insonify_viewer.record.comparison.arrangement import Arrangement
+from insonify_viewer.record.projection import Zoom
 from insonify_viewer.seabed import controller as seabed
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.widgets.theme import apply_theme
+from insonify_viewer.window.main_window import USUAL
+from insonify_viewer.work.executor import Lane
 
 COMPILING = 240.0  # s, that a thread may take to compile its kernels where other tests keep the cores busy
 TURNS, TURN = 10, 20  # of the loop of events, at least, in any time that a test waits; ms, of one that goes on and on
 PATIENCE = 60_000  # ms, that only a fault takes longer than, however busy the cores are
 
 Opener = Callable[..., Viewer]
+DRAWN = {"seabed": False}  # what is drawn in the test under way
+KEPT: set[threading.Thread] = set()  # of viewers that tests share
 
 
 @pytest.fixture
@@ -68,7 +75,7 @@ def _no_person_is_needed(tmp_path_factory: pytest.TempPathFactory, monkeypatch: 
 
 def await_threads(before: set[threading.Thread]) -> None:
     """Wait for the window's threads: closing it does not wait for a block that is traced or a kernel being compiled."""
-    for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify ")):
+    for thread in (t for t in set(threading.enumerate()) - before - KEPT if t.name.startswith("insonify ")):
         thread.join(timeout=COMPILING)
         assert not thread.is_alive()
 
@@ -111,17 +118,20 @@ def _beds_are_shaded_once() -> Iterator[None]:
 
 
 @pytest.fixture
-def drawn_seabed() -> None:
+def drawn_seabed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw the three-dimensional view, in tests that look at it."""
+    monkeypatch.setitem(DRAWN, "seabed", True)
 
 
-@pytest.fixture
-def _seabed_is_not_drawn(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="session")
+def _seabed_is_not_drawn() -> Iterator[None]:
     """Leave the three-dimensional view blank elsewhere: software draws it in a third of the time of a window."""
     from pyvistaqt.rwi import QVTKRenderWindowInteractor
 
-    if "drawn_seabed" not in request.fixturenames:
-        monkeypatch.setattr(QVTKRenderWindowInteractor, "paintGL", lambda _: None)
+    paint = QVTKRenderWindowInteractor.paintGL
+    with pytest.MonkeyPatch.context() as patch:  # for all tests: Qt's bindings keep the method of a view
+        patch.setattr(QVTKRenderWindowInteractor, "paintGL", lambda view: paint(view) if DRAWN["seabed"] else None)
+        yield
 
 
 @pytest.fixture(autouse=True)
@@ -139,13 +149,69 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
     return None if isinstance(simulation, StandIn) else compute(simulation, *rest)
 
 
+@pytest.fixture(scope="session")
+def _shared() -> Iterator[dict[Any, list[Viewer]]]:
+    """Viewers that stay open between tests, by the simulation that they show."""
+    shared: dict[Any, list[Viewer]] = {StandIn: [], None: []}
+    yield shared
+    for viewer in (viewer for viewers in shared.values() for viewer in viewers):
+        viewer.window.close()
+    KEPT.clear()
+    await_threads(set())
+
+
+def renew(viewer: Viewer, scene: Scene) -> None:
+    """Bring a viewer that another test has used to where one begins."""
+    window, session = viewer.window, viewer.session
+    window.settings.__init__()  # type: ignore[misc]  # in the folder of this test
+    window.recent.fill()
+    for button in window.buttons.values():
+        button.setChecked(False)
+    viewer.run(False)
+    window.say("")
+    viewer.tow.speed = 1.0
+    window.speed.setCurrentText("1×")
+    viewer.contacts.open((), "")
+    session.__init__(scene)  # type: ignore[misc]  # without a step
+    session.displayed.emit(session.display)
+    for view in (window.waterfall, window.record_a):
+        view.show_zoom(Zoom())
+    viewer.open(scene)
+    window.open_panel("parameters")
+    window.resize(*USUAL)
+    window.waterfall.setFocus()
+
+
+def lanes_of(viewer: Viewer) -> list[Lane]:
+    """Threads of a viewer that live as long as it does."""
+    return [viewer.simulator._lane, *viewer.simulator.executor._lanes.values()]
+
+
+def leave(viewer: Viewer) -> bool:
+    """Leave what a test has opened; whether the next one may use the viewer."""
+    window = viewer.window
+    if window.isHidden() or window.lecture.action.isChecked() or viewer.failure:
+        return False
+    for panel in viewer.panels.values():
+        if panel.place is Place.WINDOW and panel.view is not None:
+            panel.view.close()
+    viewer.panels["lessons"].leave()
+    viewer.comparison.leave()
+    viewer.comparison.arrange(Arrangement.ALONE)
+    window.tour.end()
+    viewer.jobs.forget_ended()
+    return not (viewer.jobs.running or viewer.recordings.busy)
+
+
 @pytest.fixture
 def open_viewer(
-    qtbot: Any, qapp: QApplication, _beds_are_shaded_once: None, _seabed_is_not_drawn: None
-) -> Iterator[Opener]:
-    """Open viewers on the stand-in simulation; close them and look for what they left."""
-    viewers: list[Viewer] = []
-    before = set(threading.enumerate())
+    qtbot: Any, qapp: QApplication, request: pytest.FixtureRequest,
+    _shared: dict[Any, list[Viewer]], _beds_are_shaded_once: None, _seabed_is_not_drawn: None,
+) -> Iterator[Opener]:  # fmt: skip
+    """Open viewers on the stand-in simulation, or renew those of other tests, and look for what they leave."""
+    viewers: list[tuple[Viewer, Any]] = []
+    before, failed = set(threading.enumerate()), request.session.testsfailed
+    own = request.node.get_closest_marker("own_window") is not None
 
     def open_one(
         scene: Scene,
@@ -154,23 +220,34 @@ def open_viewer(
         solid: bool = False,
         until: Callable[[Viewer], bool] = lambda viewer: viewer.complete,
     ) -> Viewer:
-        viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
-        viewers.append(viewer)
-        viewer.window.show()
-        viewer.tow.run(False)
-        viewer.window.show_running(False)
-        viewer.start()
+        idle = [] if own or solid else _shared.get(prepare, [])
+        if idle:
+            viewer = idle.pop()
+            renew(viewer, scene)
+        else:
+            viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
+            viewer.window.show()
+            viewer.tow.run(False)
+            viewer.window.show_running(False)
+            viewer.start()
+        viewers.append((viewer, None if own or solid else _shared.get(prepare)))
         qtbot.waitUntil(lambda: until(viewer), timeout=int(1000 * COMPILING))
         return viewer
 
     with main_thread_collection():
         yield open_one
-        for window in [viewer.window for viewer in viewers]:
-            window.close()
-            window.deleteLater()
+        closed = []
+        for viewer, idle in viewers:
+            if idle is not None and request.session.testsfailed == failed and leave(viewer):
+                idle.append(viewer)
+                KEPT.update(lane._thread for lane in lanes_of(viewer))
+            else:
+                viewer.window.close()
+                viewer.window.deleteLater()
+                closed.append(viewer)
         qapp.processEvents()
         await_threads(before)
-        assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
+        assert not [t for viewer in closed for t in viewer.findChildren(QTimer) if t.isActive()]
         viewers.clear()
 
 

@@ -177,7 +177,7 @@ def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(o
         window.resize(width, 540)
         qtbot.waitUntil(lambda width=width: window.width() == width)
         for more in ([], [lessons], []):
-            window._buttons["lessons"].setChecked(bool(more))
+            window.buttons["lessons"].setChecked(bool(more))
             qtbot.waitUntil(lambda more=more: lessons.isVisible() == bool(more))
             qtbot.wait(100)
             assert window.width() == width
@@ -202,7 +202,7 @@ def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(o
             window.trace.trigger()
             assert waterfall.trace_area() is not None, "unless the person asks for it"
         for panel in ("lessons", "water"):
-            window._buttons[panel].setChecked(False)
+            window.buttons[panel].setChecked(False)
         window.open_panel("lessons")
         # At the left of the views, where there is room.
         edge = views.x if width > 1500 else window.width

@@ -171,6 +171,9 @@ def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window,
     loud = next(row for row in rows if row.method == "rays")
     plot = view.picture.plots[loud.targets]
     qtbot.waitUntil(lambda: plot.area.contains(plot.place_of(*place_of_row(loud))))
+    top = plot.canvas.getAxis("top")
+    assert (top.isVisible(), top.labelText) == (True, "512 pings"), "a whole record takes that much longer"
+    assert any("tolerance 3 %" in getattr(item, "toPlainText", str)() for item in plot.canvas.items())
     qtbot.mouseClick(plot.surface, Qt.MouseButton.LeftButton, pos=plot.place_of(*place_of_row(loud)))
     qtbot.waitUntil(lambda: bool(view._numbers.text()))
     assert "error 10 % beyond" in view._numbers.text()

@@ -174,11 +174,13 @@ def test_contacts_are_marked_classed_measured_sorted_named_and_found_again(viewe
     listed.choose(0)
     listed.takes["height"].click()
     assert "measure first" in window.status.sentence.text()
-    panel._show_measured(view, Mark(240, 0, 250), Mark(240, 0, 300))
+    ends = Mark(240, 0, 250), Mark(240, 0, 300)
+    view.measured.emit(*ends)
+    line = measure(*(locate_simulated(viewer.answer.simulation, end) for end in ends))
     for field in ("length", "height"):
         listed.takes[field].click()
-    assert panel.contacts[0].length == pytest.approx(panel._measured.straight, abs=0.005)
-    assert panel.contacts[0].height == pytest.approx(panel._measured.height, abs=0.005)
+    assert panel.contacts[0].length == pytest.approx(line.straight, abs=0.005)
+    assert panel.contacts[0].height == pytest.approx(line.height, abs=0.005)
     assert window.undo.text() == "Undo: height of contact 1"
     listed.classification.textActivated.emit("wreck")
     listed.sizes["height"].setValue(0.0)

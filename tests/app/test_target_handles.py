@@ -150,7 +150,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
     finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
     drag_handle(viewer, view, "resize")
-    assert session.history.undoable[0] == "mesh 1 resized"
+    assert session.history.undoable[0] == "wreck 1 resized"
     assert 0.25 < session.scene.targets[0].scale < 0.8
     session.undo()
     assert session.scene.targets[0].scale == 0.2

@@ -24,15 +24,15 @@ def colours(widget) -> int:
 def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, small, qtbot, tmp_path, monkeypatch):
     viewer, layered = open_viewer(small), edit(small, {"water": PROFILE})
     assert not viewer.panels["water"].view.isVisible()
-    finish(viewer, qtbot, viewer.window._buttons["water"].trigger)
+    finish(viewer, qtbot, viewer.window.buttons["water"].trigger)
     assert viewer.panels["water"].complete
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
-    viewer.window._buttons["water"].trigger()
+    viewer.window.buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
     finish(viewer, qtbot, viewer.session.open, layered)
     assert viewer.panels["water"].view.isVisible()
     assert colours(viewer.panels["water"].view) > 100
-    viewer.window._buttons["water"].trigger()
+    viewer.window.buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.settle({"water.depth.1": 9.0})
     assert not viewer.panels["water"].view.isVisible()

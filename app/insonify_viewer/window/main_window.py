@@ -90,7 +90,7 @@ class MainWindow(QMainWindow):
         self.may_close: Callable[[], bool] = lambda: True
         self._closed = self._asking = False
         self._panels: dict[str, Panel] = {}
-        self._buttons: dict[str, QAction] = {}
+        self.buttons: dict[str, QAction] = {}
         self.settings = Settings()
         self.status = StatusLine()
         self.say, self.complain = self.status.say, self.status.complain
@@ -137,8 +137,8 @@ class MainWindow(QMainWindow):
         if panel.place is Place.WINDOW:
             self._open_window(panel)
             return
-        if name in self._buttons:
-            self._buttons[name].setChecked(True)
+        if name in self.buttons:
+            self.buttons[name].setChecked(True)
         if name in self._docks.by_panel:
             self._docks.bring_forward(name)
 
@@ -240,7 +240,7 @@ class MainWindow(QMainWindow):
             set_icon(action, panel.button.icon)
             self._bar.insertAction(self._after_buttons, action)
             name_button(button_of(self._bar, action))
-        self._buttons[panel.name] = action
+        self.buttons[panel.name] = action
 
     def _open_window(self, panel: Panel) -> None:
         widget: QWidget = panel.widget

@@ -37,7 +37,7 @@ give(
     [5.0, 100.0], most=7,
 )  # fmt: skip
 give(3.0, "pause_or_play", lambda window, _: window.pause.trigger(), [50.0, 2000.0])
-give(0.7, "open_rays", lambda window, _: window._buttons["water"].trigger(), [100.0, 2000.0])
+give(0.7, "open_rays", lambda window, _: window.buttons["water"].trigger(), [100.0, 2000.0])
 give(
     0.7, "save",
     lambda window, random: pick([window.save.scene, window.save.record, window.save.picture], random).trigger(),

@@ -174,6 +174,9 @@ class ScenePlot(Plot):
 
     def draw(self, canvas: Canvas) -> None:
         """Draw lines through the settings of each method, the best for their time, and what is not resolved."""
+        # lazy: loads Matplotlib; by now the chart has loaded it
+        from insonify.accuracy.charts.kinds.accuracy import RECORD, TOLERANCE
+
         chart = self._chart.chart
         if chart is None:
             self.say((OVER_WATER, "nothing measured yet"))
@@ -183,11 +186,15 @@ class ScenePlot(Plot):
         self.words = f"time per ping{'' if one else ' ' + WITH[self.targets]}", self.words[1]
         canvas.number("bottom", [(k, format_duration(10.0 ** (k - 6))) for k in range(-1, 9)])
         canvas.number("left", [(k, f"{10.0 ** (k + 2):g} %") for k in range(-5, 2)])
+        whole = math.log10(RECORD)
+        canvas.number_above([(k - whole, format_duration(10.0 ** (k - 6))) for k in range(2, 12)], f"{RECORD} pings")
         times, errors = np.array([place_of_row(row) for row in chart.rows]).T
         low, high = (errors.min() - 0.5, errors.max() + 0.6)
         ends = float(times.min() - 0.3), float(times.max() + 0.3)
         floor = math.log10(max(reference.floor, FLOOR))
         canvas.area(np.array(ends), np.full(2, floor), low, EDGE)
+        canvas.rule(math.log10(TOLERANCE), QUIET, upright=False)
+        canvas.words(f"tolerance {100.0 * TOLERANCE:g} %", ends[0], math.log10(TOLERANCE), QUIET, (-0.1, 1.0))
         front = np.array([place_of_row(row) for row in chart.find_front(self.targets)]).reshape(-1, 2).T
         canvas.line(front[0], front[1], EDGE, 7.0)
         canvas.name_lines((6.0, -4.0))

@@ -241,8 +241,8 @@ class ParametersPanel(Panel):
         """Remove the target or volume at a dotted path from the scene."""
         name, _, index = path.rpartition(".")
         parts = plain(self._session.scene)[name]
-        removed = f"{parts[int(index)]['kind'].replace('_', ' ')} {int(index) + 1} removed"
-        self._session.settle({name: parts[: int(index)] + parts[int(index) + 1 :]}, removed)
+        del parts[int(index)]
+        self._session.settle({name: parts}, f"{name_field(self._session.scene, path)} removed")
 
 
 def _whole(number: NumberField, value: float) -> float | int:

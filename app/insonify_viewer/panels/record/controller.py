@@ -58,7 +58,7 @@ class RecordPanel(Panel):
         self._error_question = NewestWins(
             lambda: self._errors_wanted, send, _bin_errors, self._take_errors, in_turn=True
         )
-        self._measured: Measurement | None = None  # the last line
+        self._measured: tuple[WaterfallView, Measurement] | None = None  # the last line, and where
         self.contacts = workbench.contacts
         self.view = RecordView()
         self._connect()
@@ -68,6 +68,8 @@ class RecordPanel(Panel):
         if growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._simulated.show_marks(line=None)
+            if self._measured is not None and self._measured[0] is self._simulated:
+                self._measured = None
         now = time.perf_counter()
         if growth.complete or now - self._followed > OFTEN:
             self._followed = now
@@ -214,14 +216,14 @@ class RecordPanel(Panel):
     def _show_measured(self, view: WaterfallView, first: Mark, last: Mark) -> None:
         ends = self._locate(view, first), self._locate(view, last)
         if ends[0] is not None and ends[1] is not None:
-            self._measured = measure(ends[0], ends[1])
-            words = self._measured.words
+            self._measured = view, measure(ends[0], ends[1])
+            words = self._measured[1].words
             view.show_marks(line=(first, last, words))
             self.view.show_measured(words)
 
     def _attach_size(self, row: int, field: str) -> None:
         """Give a contact a size by the line that was measured last: its length, or the height from a shadow."""
-        line = self._measured
+        line = None if self._measured is None else self._measured[1]
         size = None if line is None else line.height if field == "height" else line.straight or line.slant
         if size is None:
             over = "the shadow of the contact, across the track," if field == "height" else "the contact"
