@@ -184,7 +184,7 @@ def renew(viewer: Viewer, scene: Scene) -> None:
 
 def lanes_of(viewer: Viewer) -> list[Lane]:
     """Threads of a viewer that live as long as it does."""
-    return [viewer.simulator._lane, *viewer.simulator.executor._lanes.values()]
+    return [viewer.simulator.lane, *viewer.simulator.executor.lanes.values()]
 
 
 def leave(viewer: Viewer) -> bool:
@@ -240,7 +240,7 @@ def open_viewer(
         for viewer, idle in viewers:
             if idle is not None and request.session.testsfailed == failed and leave(viewer):
                 idle.append(viewer)
-                KEPT.update(lane._thread for lane in lanes_of(viewer))
+                KEPT.update(lane.thread for lane in lanes_of(viewer))
             else:
                 viewer.window.close()
                 viewer.window.deleteLater()

@@ -107,7 +107,7 @@ def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
-    panel = window._panels["parameters"].widget
+    panel = window.panels["parameters"].widget
     names = {label.text() for label in panel.findChildren(QLabel, "name") if label.isVisible()}
     assert {"altitude", "beam width", "pulse duration"} <= names
     bar = next(bar for bar in window.findChildren(QTabBar) if bar.isVisible() and bar.count() > 2)

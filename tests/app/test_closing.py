@@ -91,7 +91,7 @@ def test_a_window_closes_at_once_during_work_of_the_simulator_a_bed_and_a_chart(
     qtbot.waitUntil(lambda: len(at_work) == 3)
     assert viewer.window.close()
     assert all(thread.is_alive() for thread in at_work)
-    assert viewer.simulator._lane._thread in at_work
+    assert viewer.simulator.lane.thread in at_work
     going.set()
 
 
@@ -121,7 +121,7 @@ def test_reports_that_wait_are_passed_on_as_one():
     job = ThreadJob("test", work, lambda *call: calls.append(call))
     job.changed.connect(lambda job: told.append(job.stage.share))
     job.start()
-    job._thread.join(60.0)
+    job.thread.join(60.0)
     assert len(calls) == 2, "one of its progress, one of its end"
     receive, result = calls[0]
     receive(result)
@@ -224,7 +224,7 @@ offer = CrashRecovery.offer
 def offer_and_report(recovery):
     offer(recovery)
     if sys.argv[1] == "look":
-        print("CONTACTS", recovery._contacts.all == (FISH,), recovery._contacts.unsaved, flush=True)
+        print("CONTACTS", recovery.contacts.all == (FISH,), recovery.contacts.unsaved, flush=True)
         print("READY", flush=True)
 CrashRecovery.offer = offer_and_report
 def begin(viewer):

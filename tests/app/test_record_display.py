@@ -177,7 +177,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer, qtbot):
             wanted = view.mark_at(place)
             QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=place)  # which opens a panel: the view shrinks
             assert pinned[-1] == wanted
-        handle = view._handle
+        handle = view.handle
         drag(view, handle.place_of(view.top).toPoint(), handle.place_of(100).toPoint())
         assert abs(view.top - 100) <= 1
         newest, older = (view.place_of(Mark(view.top - pings, side, 350)) for pings in (0, 10))
@@ -309,8 +309,8 @@ def test_a_drag_looks_like_what_it_leads_to(width):
     scene = edit(load_scene("default"), {"sonar.beam.width": width, "sonar.bins": 250, "track.pings": 160})
     pings = np.arange(159, -1, -1)
     simulator = Simulator()
-    simulator._cost = 0.0  # as if pings cost nothing, none to be thinned out
-    (coarse,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
+    simulator.cost = 0.0  # as if pings cost nothing, none to be thinned out
+    (coarse,) = simulator.trace(PingRequest(0, scene, Modelling(), pings, fine=False))
     simulator.close()
     # Three planes, which the default tolerance admits, are themselves apart from the mean over the beam.
     simulation = prepare(scene, tolerance=0.005)
@@ -333,6 +333,6 @@ def test_what_is_random_or_has_no_width_is_not_smeared(small):
     changes["receiver.recorder.dropped_pings"] = 0.1
     scenes = [edit(small, {path: value}) for path, value in changes.items()]
     requests = [PingRequest(0, scene, Modelling(), np.arange(3), fine=False) for scene in scenes]
-    answers = [list(simulator._trace(request)) for request in requests]
+    answers = [list(simulator.trace(request)) for request in requests]
     simulator.close()
     assert [answer.reach for (answer,) in answers] == [None] * 4

@@ -148,15 +148,15 @@ def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_vie
         assert across == pytest.approx(wide, abs=0.4)
     press_shortcut(viewer.window, "m")
     assert not view.measuring
-    assert view._marks.line is None
+    assert view.marks.line is None
 
 
 def mark_two(viewer, panel, qtbot):
     view = viewer.window.waterfall
     for number, mark in enumerate((Mark(240, 0, 300), Mark(60, 1, 200)), start=1):
         QTest.mouseMove(view, view.place_of(mark))
-        qtbot.waitUntil(lambda: panel._hovered is not None)
-        panel._hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
+        qtbot.waitUntil(lambda: panel.hovered is not None)
+        panel.hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
         press_shortcut(viewer.window, "c")
         qtbot.waitUntil(lambda number=number: len(panel.contacts) == number)
 
@@ -204,9 +204,9 @@ def test_contacts_are_marked_classed_measured_sorted_named_and_found_again(viewe
     listed.note.setText("two masts")
     listed.note.editingFinished.emit()
     assert (panel.contacts[0].name, panel.contacts[0].note) == ("wreck", "two masts")
-    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts
+    assert (Mark(240, 0, 300), "wreck", True) in view.marks.contacts
     viewer.go_to(100)
-    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts, "contacts outlast scrolling"
+    assert (Mark(240, 0, 300), "wreck", True) in view.marks.contacts, "contacts outlast scrolling"
     listed.jump.click()
     assert view.plot_area.contains(view.place_of(Mark(240, 0, 300)))
     listed.remove.click()

@@ -111,14 +111,14 @@ def test_any_ping_is_reached_the_last_file_wins_and_a_broken_one_is_told(viewer,
     window = viewer.window
     window.resize(1600, 900)
     open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    qtbot.waitUntil(lambda: window.views.sizes()[0] > 250)
     window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
+    qtbot.waitUntil(lambda: window.views.sizes()[0] == 0)
+    _, recorded, simulated = window.views.sizes()
     assert abs(simulated - recorded) <= 2
     assert window.record_a.geometry().right() < window.waterfall.geometry().left()
     window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    qtbot.waitUntil(lambda: window.views.sizes()[0] > 250)
 
 
 def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(viewer, folder, qtbot, monkeypatch):

@@ -209,7 +209,7 @@ def test_volumes_are_drawn_where_they_echo_by_the_main_thread_alone(open_viewer,
     assert -0.02 < bubbles[:, 2].min() < 0.3
     assert volume_points((), ground_of(scene.seabed)).shape == (0, 3)
     viewer = open_viewer(scene)
-    drawn, targets = viewer.seabed.view._volumes_actor, viewer.seabed.view._targets_actor
+    drawn, targets = viewer.seabed.view.volumes_actor, viewer.seabed.view.targets_actor
     qtbot.waitUntil(lambda: bool(drawn.visibility and targets.visibility))
     usual = drawn.prop.opacity
     viewer.seabed.view.fade_bed(True)

@@ -79,7 +79,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
 
     viewer = open_viewer(small, prepare=prepare)
     before = viewer.session.scene
-    viewer.simulator._cost = 1.0  # as if a coarse ping took a second, to be thinned as far as allowed
+    viewer.simulator.cost = 1.0  # as if a coarse ping took a second, to be thinned as far as allowed
     viewer._rest.setInterval(10**6)  # as if the person went on within a moment
     between = []
     viewer.simulator.answered.connect(lambda answer: between.append(float(answer.between.mean())))

@@ -53,15 +53,15 @@ class RecordCanvas(Painted):
         self._range, self._step = 1.0, 1.0
         # Amplitudes at the ends of the palette, where the display options leave them to the record.
         self.levels: Levels = (0.0, 1.0)
-        self._look, self._zoom = DisplayOptions(), Zoom()
-        self._marks = overlays.RecordMarks()
+        self._look, self.zoom = DisplayOptions(), Zoom()
+        self.marks = overlays.RecordMarks()
         self.errors: overlays.BinErrors | None = None
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
         self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
-        self._handle = overlays.ScrubHandle()
+        self.handle = overlays.ScrubHandle()
         self.overview = RecordOverview()
         self._fit()
 
@@ -112,18 +112,18 @@ class RecordCanvas(Painted):
 
     def show_last(self, ping: int) -> None:
         """Set the last ping that the handle reaches; it does not change while the handle is held."""
-        if ping != self._handle.last and not self._handle.held:
-            self._handle.last = ping
+        if ping != self.handle.last and not self.handle.held:
+            self.handle.last = ping
             self.update()
 
     def show_display(self, look: DisplayOptions) -> None:
         """Show the record by other display options."""
         before, self._look = self._look, look
-        self._handle.newest_on_top = look.newest_on_top
+        self.handle.newest_on_top = look.newest_on_top
         self.tone_map = make_tone_map(look, self.levels)
         if any(getattr(before, name) != getattr(look, name) for name in GEOMETRY):
             if before.side != look.side:
-                self._zoom = Zoom()
+                self.zoom = Zoom()
             self._fit()
         else:
             self._paint_rows(np.arange(self.record.pings))
@@ -139,16 +139,16 @@ class RecordCanvas(Painted):
 
     def show_zoom(self, zoom: Zoom) -> None:
         """Show a part of the record."""
-        if zoom != self._zoom:
-            self._zoom = zoom
+        if zoom != self.zoom:
+            self.zoom = zoom
             self._fit()
             self.zoomed.emit(zoom)
 
     def show_marks(self, **changes: Any) -> None:
         """Change some of the `RecordMarks`, and draw the record anew unless they are as before."""
-        changed = replace(self._marks, **changes)
-        if changed != self._marks:
-            self._marks = changed
+        changed = replace(self.marks, **changes)
+        if changed != self.marks:
+            self.marks = changed
             self.update()
 
     def show_errors(self, errors: overlays.BinErrors | None) -> None:
@@ -248,14 +248,14 @@ class RecordCanvas(Painted):
 
     def _lay(self) -> None:
         """Place plot and handle in the view."""
-        axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self._zoom
+        axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self.zoom
         across = axis.reach * (2.0 if self._look.side == "both" else 1.0)
         self.plot_area = QRect(room.topLeft(), room.size().expandedTo(QSize(1, 1)))
         if self._look.scale == "true":
             along, size = self.record.pings * self.step, (self.plot_area.width(), self.plot_area.height())
             zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self._look.newest_on_top)
         self.projection = project_record(self._look, self.record, axis, zoom, self.top)
-        self._handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
+        self.handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
 
     def _project(self) -> None:
         known = self.projection
@@ -291,8 +291,8 @@ class RecordCanvas(Painted):
         beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
         overlays.draw_ping_ruler(painter, beside, projection, self._step, self._text)
         first, last = (projection.newest - age for age in projection.ages)
-        strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
-        self._handle.draw(painter, self.top, strip, (first, last))
+        strip = self.overview.draw(self.handle.room, self.handle.last, self.tone_map)
+        self.handle.draw(painter, self.top, strip, (first, last))
         painter.save()
         painter.setClipRect(plot)
         self._draw_over(painter, plot)
@@ -312,14 +312,14 @@ class RecordCanvas(Painted):
             overlays.draw_waiting(painter, plot, self.waiting)
         elif self._preview:
             overlays.draw_word(painter, plot, "preview")
-        self._marks.draw(painter, plot, self.place_of)
+        self.marks.draw(painter, plot, self.place_of)
 
     def _draw_trace(self, painter: QPainter) -> None:
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the newest one."""
         area, record, caption = self.trace_area(), self.record, self.trace_caption()
         if area is None and caption is not None:
             draw_caption(painter, caption, HIDDEN_TRACE)
-        mark = self._marks.pointed
+        mark = self.marks.pointed
         ping = self.top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])
         if area is None or record.ping[row] != ping:

@@ -123,7 +123,7 @@ class RecordOverview:
     """Amplitudes of every recorded ping in a few columns; a new edit of the scene begins it anew."""
 
     def __init__(self) -> None:
-        self._columns = np.zeros((0, COLUMNS), dtype=np.float32)  # NaN for pings that were not recorded
+        self.columns = np.zeros((0, COLUMNS), dtype=np.float32)  # NaN for pings that were not recorded
         self._stamp = 0  # of the edit that is shown, 0 for a record that does not change
         self._drawn: tuple[int, int, ToneMap] | None = None  # height, last ping and colours of the picture
         self._pixels: NDArray[np.uint32] = np.zeros((1, COLUMNS), dtype=np.uint32)
@@ -132,17 +132,17 @@ class RecordOverview:
         """Take over rows that a record has just received."""
         stamp = int(record.stamp[rows].max(initial=-1))
         if stamp > self._stamp:
-            self._stamp, self._columns[:] = stamp, np.nan
+            self._stamp, self.columns[:] = stamp, np.nan
         if rows.size and stamp == self._stamp:
             self.fill(record.ping[rows], column_means(record.amplitude[rows], COLUMNS))
 
     def fill(self, pings: Integers, columns: Singles) -> None:
         """Take over the amplitudes of pings in `COLUMNS` columns."""
-        if (beyond := int(pings.max(initial=-1)) + 1) > len(self._columns):
-            self._columns = np.pad(
-                self._columns, ((0, beyond + GROWTH - len(self._columns)), (0, 0)), constant_values=np.nan
+        if (beyond := int(pings.max(initial=-1)) + 1) > len(self.columns):
+            self.columns = np.pad(
+                self.columns, ((0, beyond + GROWTH - len(self.columns)), (0, 0)), constant_values=np.nan
             )
-        self._columns[pings] = columns
+        self.columns[pings] = columns
         self._drawn = None
 
     def draw(self, height: int, last: int, tone_map: ToneMap) -> QImage:
@@ -150,7 +150,7 @@ class RecordOverview:
         if self._drawn is None or self._drawn[:2] != (height, last) or self._drawn[2] is not tone_map:
             self._drawn = height, last, tone_map
             edges = np.arange(height) * (last + 1) // height
-            known = np.pad(self._columns, ((0, max(last + 1 - len(self._columns), 0)), (0, 0)), constant_values=np.nan)
+            known = np.pad(self.columns, ((0, max(last + 1 - len(self.columns), 0)), (0, 0)), constant_values=np.nan)
             there = np.isfinite(known[: last + 1])
             sums = np.add.reduceat(np.where(there, known[: last + 1], np.float32(0.0)), edges)
             count = np.add.reduceat(there.astype(np.float32), edges)

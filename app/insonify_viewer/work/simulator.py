@@ -53,8 +53,8 @@ class Simulator:
         self._compilation: Compilation | None = None
         self._watching = ExitStack()
         self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
-        self._lane = Lane("simulator", self.executor.call_later)
-        self._cost = 1e-4  # s, of a coarse ping
+        self.lane = Lane("simulator", self.executor.call_later)
+        self.cost = 1e-4  # s, of a coarse ping
         self._coarse = -1  # number of the last coarse answer that was sent to the main thread
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
 
@@ -69,7 +69,7 @@ class Simulator:
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
-        self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
+        self.lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
 
     def show_first(self, scene: Scene, receive: Callable[[Any], None]) -> None:
         """Make pictures ready to be drawn; answer with the record that comes with the package if it is the scene's."""
@@ -90,11 +90,11 @@ class Simulator:
     def send(self, work: Work, receive: Receive) -> None:
         """Run work on the simulator's thread, before any request, and pass its result to the main thread."""
         # An exception is passed on as a `SceneError`.
-        self._lane.put(object(), lambda: result_of(work), receive, rank=0)
+        self.lane.put(object(), lambda: result_of(work), receive, rank=0)
 
     def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
         """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
-        self._lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
+        self.lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: Integers) -> Singles:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
@@ -116,17 +116,17 @@ class Simulator:
     def close(self, patience: float | None = None) -> None:
         """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
         self._watching.close()
-        self._lane.close(patience)
+        self.lane.close(patience)
         self.executor.close(patience)
 
     def _serve(self, request: PingRequest) -> None:
         refuse = partial(self.refused.emit, request.number)
         try:
-            for answer in self._trace(request):
+            for answer in self.trace(request):
                 if not answer.fine:
                     self._coarse = answer.number
                 self.executor.call_later(self._deliver, answer)
-                if self._lane.is_interrupted_by("pings"):
+                if self.lane.is_interrupted_by("pings"):
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
@@ -148,7 +148,8 @@ class Simulator:
         self.executor.call_later(self._deliver, answer)
         level.normalise(amplitude[:1], pings[:1])  # compiles what the cursor needs, before all that tracing needs
 
-    def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
+    def trace(self, request: PingRequest) -> Iterator[TracedPings]:
+        """Trace the pings of a request, part by part; the first picture of a moving slider is refined."""
         modelling = request.modelling if request.fine else request.modelling.coarse
         known = self._last.get(True)
         scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
@@ -180,13 +181,13 @@ class Simulator:
         stride, begun = self._stride(len(pings), passed), time.perf_counter()
         traced = self._trace_coarsely(level, pings[::stride])
         seconds = time.perf_counter() - begun
-        self._cost = seconds / len(traced)
+        self.cost = seconds / len(traced)
         amplitude = np.repeat(traced, stride, axis=0)[: len(pings)]
         between = np.arange(len(amplitude)) % stride > 0
         while True:
             interpolate_pings(amplitude, between)
             yield amplitude.copy(), between.copy(), seconds
-            rest = np.flatnonzero(between)[: max(1, int(BLOCK_TIME / self._cost))]
+            rest = np.flatnonzero(between)[: max(1, int(BLOCK_TIME / self.cost))]
             if not rest.size:
                 return
             begun = time.perf_counter()
@@ -201,7 +202,7 @@ class Simulator:
             parts.append(level.amplitudes(pings[done : done + size]))
             done += len(parts[-1])
             passed = time.perf_counter() - begun
-            if passed > LONGEST and self._lane.is_interrupted_by("pings"):
+            if passed > LONGEST and self.lane.is_interrupted_by("pings"):
                 break
             # Of what takes little time there is one more part; one that takes long is looked after.
             size = max(1, int(LONGEST * done / passed))
@@ -211,7 +212,7 @@ class Simulator:
         """Stride over pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed."""
         # A picture for which ground was made comes late in any case, and hardly later with more of its pings.
         stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
-        while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
+        while stride < MAX_STRIDE and pings * self.cost > allowed * stride:
             stride *= 2
         return stride
 

@@ -54,10 +54,10 @@ class ChartWindow(QWidget):
         self.stop = push_button("Stop", "Stop the measurement")
         self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
         self._progress = QProgressBar(maximum=1000, textVisible=False)
-        self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
+        self.sentence, self.numbers = make_label("name", INVITATION), make_label("numbers")
         self._summary = make_label("name")
         self._summary.hide()
-        self.picture, self._strips = ChartPlots(), StripsView()
+        self.picture, self.strips = ChartPlots(), StripsView()
         self._lay_out()
         self.picture.picked.connect(self.picked)
         self.save.setEnabled(False)
@@ -94,13 +94,13 @@ class ChartWindow(QWidget):
             height = self._splitter.height()
             strips = min(STRIPS, round(MOST * height))
             self._splitter.setSizes([height - strips, strips])
-        self._strips.show_details(details)
-        self._numbers.setText(details_in_words(details))
+        self.strips.show_details(details)
+        self.numbers.setText(details_in_words(details))
         self.picture.show_chosen(details.row)
 
     def say(self, sentence: str) -> None:
         """Show a sentence until the next one."""
-        self._sentence.setText(sentence)
+        self.sentence.setText(sentence)
 
     def ask_where_to_save(self) -> str:
         """Let the person name a file; return its path, empty if none was named."""
@@ -108,10 +108,10 @@ class ChartWindow(QWidget):
 
     def _lay_out(self) -> None:
         tools = self.measure, self.stop, self.save, self._progress
-        top = fill(QHBoxLayout(), *tools, self._sentence, growing=self._sentence)
+        top = fill(QHBoxLayout(), *tools, self.sentence, growing=self.sentence)
         self._bottom = QWidget()
         below = QVBoxLayout(self._bottom)
-        fill(below, self._strips, self._numbers, growing=self._strips, margins=(0, 4, 0, 0))
+        fill(below, self.strips, self.numbers, growing=self.strips, margins=(0, 4, 0, 0))
         self._bottom.hide()
         self._splitter = make_splitter(Qt.Orientation.Vertical, self.picture, self._bottom)
         self._splitter.setStretchFactor(0, 1)
@@ -220,10 +220,10 @@ class StripsView(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setMinimumHeight(150)
-        self._strips = [StripPlot(last=number == 2) for number in range(3)]
-        self._titles = [make_label("figure", form=Qt.TextFormat.RichText) for _ in self._strips]
+        self.strips = [StripPlot(last=number == 2) for number in range(3)]
+        self._titles = [make_label("figure", form=Qt.TextFormat.RichText) for _ in self.strips]
         column = fill(QVBoxLayout(self), margins=(0, 0, 0, 0), spacing=0)
-        for title, strip in zip(self._titles, self._strips):
+        for title, strip in zip(self._titles, self.strips):
             column.addWidget(title)
             column.addWidget(strip, 1)
 
@@ -241,7 +241,7 @@ class StripsView(QWidget):
                 *(moved, (-largest, largest), two_sided_palette()),
             ),
         )
-        for title, strip, (words, pixels, levels, palette) in zip(self._titles, self._strips, rows):
+        for title, strip, (words, pixels, levels, palette) in zip(self._titles, self.strips, rows):
             title.setText(words)
             strip.show_picture(pixels, levels, palette, details.reach)
 

@@ -49,7 +49,7 @@ class RecordPanel(Panel):
         self._workbench, self._session = workbench, workbench.session
         self._simulated, self._recorded = workbench.record_views
         self._simulation: Simulation | None = None
-        self._hovered: tuple[WaterfallView, Mark] | None = None
+        self.hovered: tuple[WaterfallView, Mark] | None = None
         self._followed = 0.0  # when histogram and drape last followed the record
         self._draped = False
         self._errors: dict[int, Singles] = {}  # of the bins of pings of a simulation, from far port to far starboard
@@ -96,7 +96,7 @@ class RecordPanel(Panel):
         view.errors.toggled.connect(lambda _: self._show_errors())
         view.measuring.connect(self._measure)
         view.zoomed.connect(self._zoom)
-        view.contact_wanted.connect(lambda: self._mark_contact(self._hovered))
+        view.contact_wanted.connect(lambda: self._mark_contact(self.hovered))
         for each in (self._simulated, self._recorded):
             each.measured.connect(lambda first, last, each=each: self._show_measured(each, first, last))
             each.hovered.connect(lambda mark, each=each: self._hover(each, mark))
@@ -254,7 +254,7 @@ class RecordPanel(Panel):
             view.show_zoom(Zoom())
 
     def _hover(self, view: WaterfallView, mark: Mark | None) -> None:
-        self._hovered = None if mark is None else (view, mark)
+        self.hovered = None if mark is None else (view, mark)
 
     def _mark_pinned(self) -> None:
         mark = self._workbench.inspection.mark
