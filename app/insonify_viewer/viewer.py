@@ -59,6 +59,7 @@ class Viewer(QObject):
         self.simulator = Simulator(prepare)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
+        self.simulator.draw = self.window.waterfall.draw_rows
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.jobs = JobList(self.simulator.executor.call_later)
         self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
@@ -365,7 +366,8 @@ class Viewer(QObject):
         place = answer.pings[some], answer.amplitude[some], answer.stamps[some], answer.altitude[some]
         rows = self.record.put(*place, error)
         self._settle_levels()
-        self.window.waterfall.show_rows(rows, answer.reach, preview=bool(answer.between.any()))
+        drawn, preview = answer.drawn if whole else None, bool(answer.between.any())
+        self.window.waterfall.show_rows(rows, answer.reach, preview=preview, drawn=drawn)
         newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top
         self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:

@@ -35,7 +35,7 @@ PATIENCE = 60_000  # ms, that only a fault takes longer than, however busy the c
 
 Opener = Callable[..., Viewer]
 DRAWN = {"seabed": False}  # what is drawn in the test under way
-KEPT: set[threading.Thread] = set()  # of viewers that tests share
+SHARED: dict[Any, list[Viewer]] = {StandIn: [], None: []}  # viewers between tests, by the simulation that they show
 
 
 @pytest.fixture
@@ -75,7 +75,8 @@ def _no_person_is_needed(tmp_path_factory: pytest.TempPathFactory, monkeypatch: 
 
 def await_threads(before: set[threading.Thread]) -> None:
     """Wait for the window's threads: closing it does not wait for a block that is traced or a kernel being compiled."""
-    for thread in (t for t in set(threading.enumerate()) - before - KEPT if t.name.startswith("insonify ")):
+    kept = {lane.thread for viewers in SHARED.values() for viewer in viewers for lane in lanes_of(viewer)}
+    for thread in (t for t in set(threading.enumerate()) - before - kept if t.name.startswith("insonify ")):
         thread.join(timeout=COMPILING)
         assert not thread.is_alive()
 
@@ -149,14 +150,14 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
     return None if isinstance(simulation, StandIn) else compute(simulation, *rest)
 
 
-@pytest.fixture(scope="session")
-def _shared() -> Iterator[dict[Any, list[Viewer]]]:
-    """Viewers that stay open between tests, by the simulation that they show."""
-    shared: dict[Any, list[Viewer]] = {StandIn: [], None: []}
-    yield shared
-    for viewer in (viewer for viewers in shared.values() for viewer in viewers):
-        viewer.window.close()
-    KEPT.clear()
+@pytest.fixture(scope="session", autouse=True)
+def _shared_viewers_are_closed() -> Iterator[None]:
+    """Close what tests have shared."""
+    yield
+    for viewers in SHARED.values():
+        for viewer in viewers:
+            viewer.window.close()
+        viewers.clear()
     await_threads(set())
 
 
@@ -206,23 +207,23 @@ def leave(viewer: Viewer) -> bool:
 @pytest.fixture
 def open_viewer(
     qtbot: Any, qapp: QApplication, request: pytest.FixtureRequest,
-    _shared: dict[Any, list[Viewer]], _beds_are_shaded_once: None, _seabed_is_not_drawn: None,
+    _beds_are_shaded_once: None, _seabed_is_not_drawn: None,
 ) -> Iterator[Opener]:  # fmt: skip
-    """Open viewers on the stand-in simulation, or renew those of other tests, and look for what they leave."""
+    """Open viewers on the stand-in simulation, their own or those of other tests, and look for what they leave."""
     viewers: list[tuple[Viewer, Any]] = []
     before, failed = set(threading.enumerate()), request.session.testsfailed
-    own = request.node.get_closest_marker("own_window") is not None
 
     def open_one(
         scene: Scene,
         *,
         prepare: Any = StandIn,
         solid: bool = False,
+        own: bool = False,
         until: Callable[[Viewer], bool] = lambda viewer: viewer.complete,
     ) -> Viewer:
-        idle = [] if own or solid else _shared.get(prepare, [])
-        if idle:
-            viewer = idle.pop()
+        shared = None if own or solid else SHARED.get(prepare)
+        if shared:
+            viewer = shared.pop()
             renew(viewer, scene)
         else:
             viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
@@ -230,17 +231,16 @@ def open_viewer(
             viewer.tow.run(False)
             viewer.window.show_running(False)
             viewer.start()
-        viewers.append((viewer, None if own or solid else _shared.get(prepare)))
+        viewers.append((viewer, shared))
         qtbot.waitUntil(lambda: until(viewer), timeout=int(1000 * COMPILING))
         return viewer
 
     with main_thread_collection():
         yield open_one
         closed = []
-        for viewer, idle in viewers:
-            if idle is not None and request.session.testsfailed == failed and leave(viewer):
-                idle.append(viewer)
-                KEPT.update(lane.thread for lane in lanes_of(viewer))
+        for viewer, shared in viewers:
+            if shared is not None and request.session.testsfailed == failed and leave(viewer):
+                shared.append(viewer)
             else:
                 viewer.window.close()
                 viewer.window.deleteLater()

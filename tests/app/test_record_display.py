@@ -22,6 +22,7 @@ from insonify_viewer.record.projection import Projection, Zoom, project_record, 
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_image import EMPTY, blur_along_track
 from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import (
@@ -137,6 +138,35 @@ def test_colours_linear_in_decibels_and_reversed():
     plain, turned = (make_tone_map(look, (0.0, 9.0)).colours(ends) for look in looks)
     assert (plain == turned[::-1]).all()
     assert colour_table(np.zeros((256, 3), np.uint8))[0] == 0xFF000000
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"ground_range": True}, {"side": "port", "side_gains": (3.0, -3.0)}, {"decibels": True}]
+)
+def test_rows_drawn_beside_the_window_are_those_that_it_draws_and_others_are_left(qtbot, record, options):
+    view, pings, rng = WaterfallView(), np.arange(PINGS), np.random.default_rng(3)
+    qtbot.addWidget(view)
+    view.resize(400, 400)
+    view.show_record(record, RANGE, 0.1)
+    view.show_top(PINGS - 1)
+    view.show_display(DisplayOptions(**options))
+    amplitude, reach = rng.rayleigh(1.0, (PINGS, 2, BINS)).astype(np.float32), np.linspace(0.5, 6.0, BINS)
+    altitude = record.altitude_of(pings)
+    drawn = view.draw_rows(amplitude, altitude, reach)
+    rows = record.put(pings, amplitude, 1, altitude)
+    view.show_rows(rows, reach)
+    expected = view.image.pixels.copy()
+    view.show_rows(rows, None)
+    assert (view.image.pixels != expected).any()
+    view.show_rows(rows, None, drawn=drawn)
+    np.testing.assert_array_equal(view.image.pixels, expected)
+    for change in (lambda: view.show_zoom(Zoom().about(0.5, 0.5, 2.0)), lambda: view.show_levels((0.2, 0.7))):
+        change()
+        view.show_rows(rows, reach)
+        expected = view.image.pixels.copy()
+        view.show_rows(rows, reach, drawn=drawn)
+        np.testing.assert_array_equal(view.image.pixels, expected)
+    assert view.draw_rows(amplitude[..., 1:], altitude, None) is None, "of a record of other bins"
 
 
 # In the window

@@ -21,7 +21,7 @@ from insonify_viewer.record.projection import (
     zoom_to_true_scale,
 )
 from insonify_viewer.record.record import Record
-from insonify_viewer.record.record_image import RecordImage, RecordOverview
+from insonify_viewer.record.record_image import DrawnRows, RecordImage, RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import Painted
@@ -82,8 +82,22 @@ class RecordCanvas(Painted):
         else:
             self._fit()
 
-    def show_rows(self, rows: Integers, reach: Floats | None = None, *, preview: bool = False) -> None:
-        """Update rows that the record has just received, the last of a preview or not."""
+    def draw_rows(self, amplitude: Singles, altitude: Floats, reach: Floats | None) -> DrawnRows | None:
+        """Draw rows, (n, 2, bins), for `show_rows` beside the window; None for a record of other bins."""
+        layout = self.image.layout
+        if layout is None or layout.projection.axis.bins != amplitude.shape[2]:
+            return None
+        return layout.draw(np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1), altitude, reach)
+
+    def show_rows(
+        self,
+        rows: Integers,
+        reach: Floats | None = None,
+        *,
+        preview: bool = False,
+        drawn: DrawnRows | None = None,
+    ) -> None:
+        """Update rows that the record has just received, the last of a preview or not, as they are drawn already."""
         self._preview = preview
         if not preview:
             self.overview.put(self.record, rows)
@@ -91,7 +105,7 @@ class RecordCanvas(Painted):
             axis = choose_axis(self._look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
-        self.image.put(rows, self.projection, self.tone_map, reach)
+        self.image.put(rows, self.projection, self.tone_map, reach, drawn)
         self.update()
 
     def show_top(self, ping: int) -> None:

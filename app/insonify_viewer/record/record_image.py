@@ -1,6 +1,9 @@
 """Pictures of a record: a ring of coloured rows, each coloured once, and all pings beside the scroll handle."""
 
+from __future__ import annotations
+
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +22,50 @@ COLUMNS = 20  # from far port to far starboard
 GROWTH = 1024  # pings for which there is room beyond the last one
 
 
+class Layout(NamedTuple):
+    """What the picture of a row depends on, besides the row."""
+
+    projection: Projection
+    tone_map: ToneMap
+    width: int  # in columns
+
+    def fits(self, projection: Projection, width: int) -> bool:
+        """Whether a projection on a width has the same columns."""
+        one, other = self.projection, projection
+        same = (one.axis, one.side, one.zoom, self.width) == (other.axis, other.side, other.zoom, width)
+        return same and np.array_equal(np.asarray(one.factors), np.asarray(other.factors))
+
+    def draw(self, amplitude: Singles, altitude: Floats, reach: Floats | None) -> DrawnRows:
+        """Average and colour rows, on any thread; `WaterfallView.show_rows` explains the parameters."""
+        projection = self.projection
+        if projection.factors is not None:
+            amplitude = amplitude * projection.factors
+        means = projection.columns(amplitude, np.nan_to_num(altitude), self.width)
+        if reach is not None and len(means):
+            means = blur_along_track(means, reach[projection.bins_of_columns(projection.newest, self.width)])
+        return DrawnRows(self, means, _coloured(means, projection, self.tone_map))
+
+
+class DrawnRows(NamedTuple):
+    """Rows of a record as they are shown."""
+
+    layout: Layout
+    means: Singles  # (n, width) amplitudes in display columns
+    colours: NDArray[np.uint32]  # (n, width) as 0xffRRGGBB
+
+
 class RecordImage:
     """Display columns and colours of the rows of a record."""
 
     def __init__(self) -> None:
         self.version = 0
         self.oldest = -1
+        self.layout: Layout | None = None
 
     def fit(self, record: Record, projection: Projection, tone_map: ToneMap, width: int) -> None:
         """Compute the display columns and the colours of every row for a width."""
         self._record, self._downwards = record, projection.newest_on_top
+        self.layout = Layout(projection, tone_map, width)
         self._columns = np.zeros((record.pings, width), dtype=np.float32)
         held = np.flatnonzero(record.ping >= 0)
         if held.size:
@@ -38,14 +75,22 @@ class RecordImage:
         self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
         self.paint(np.arange(record.pings), projection, tone_map)
 
-    def put(self, rows: Integers, projection: Projection, tone_map: ToneMap, reach: Floats | None) -> None:
+    def put(
+        self,
+        rows: Integers,
+        projection: Projection,
+        tone_map: ToneMap,
+        reach: Floats | None,
+        drawn: DrawnRows | None = None,
+    ) -> None:
         """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
-        means = self._averaged(rows, projection)
-        if reach is not None and rows.size:
-            bins = projection.bins_of_columns(projection.newest, means.shape[1])
-            means = blur_along_track(means, reach[bins])
-        self._columns[rows] = means
-        self._put_colours(rows, _coloured(means, projection, tone_map), projection)
+        self.layout = Layout(projection, tone_map, self._columns.shape[1])
+        if drawn is None or not drawn.layout.fits(projection, self.layout.width):
+            drawn = self.layout.draw(self._record.amplitude[rows], self._record.altitude[rows], reach)
+        elif drawn.layout.tone_map is not tone_map:
+            drawn = drawn._replace(colours=_coloured(drawn.means, projection, tone_map))
+        self._columns[rows] = drawn.means
+        self._put_colours(rows, drawn.colours, projection)
 
     def paint(self, rows: Integers, projection: Projection, tone_map: ToneMap) -> None:
         """Colour rows that hold a ping anew; blank rows of pings outside the picture."""

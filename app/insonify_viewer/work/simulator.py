@@ -49,6 +49,8 @@ class Simulator:
         self.executor = Executor()  # threads of what else works beside the window
         self._prepare = prepare or _prepare
         self._pack = pack or (None if prepare else _pack)
+        # Draws amplitudes, altitudes and reach of `TracedPings` for the window, on the thread that has traced them.
+        self.draw: Callable[[Singles, Floats, Floats | None], Any] = lambda *_: None
         self._activity = Waiting()
         self._compilation: Compilation | None = None
         self._watching = ExitStack()
@@ -125,7 +127,7 @@ class Simulator:
             for answer in self.trace(request):
                 if not answer.fine:
                     self._coarse = answer.number
-                self.executor.call_later(self._deliver, answer)
+                self._send(answer)
                 if self.lane.is_interrupted_by("pings"):
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
@@ -145,7 +147,7 @@ class Simulator:
         pings, level = np.arange(len(amplitude)), LevelBed(simulation)
         drawn, altitude = np.ones(len(pings), bool), find_altitude(simulation, pings)
         answer = TracedPings(0, False, pings, amplitude, level, simulation, 0.0, drawn, altitude, example=True)
-        self.executor.call_later(self._deliver, answer)
+        self._send(answer)
         level.normalise(amplitude[:1], pings[:1])  # compiles what the cursor needs, before all that tracing needs
 
     def trace(self, request: PingRequest) -> Iterator[TracedPings]:
@@ -256,6 +258,11 @@ class Simulator:
             yield
         finally:
             self._activity = Waiting()
+
+    def _send(self, answer: TracedPings) -> None:
+        """Draw pings, and pass them to the main thread."""
+        drawn = self.draw(answer.amplitude, answer.altitude, answer.reach)
+        self.executor.call_later(self._deliver, replace(answer, drawn=drawn))
 
     def _deliver(self, answer: TracedPings) -> None:
         """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""
