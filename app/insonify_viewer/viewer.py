@@ -143,6 +143,8 @@ class Viewer(QObject):
         if file and not bundled:
             self.window.settings.add_recent(file)
         self.session.open(scene, file, bundled=bundled)
+        if not self.missing().size:  # no ping of it is traced anew, for it was open already
+            self._show_top()
         self.window.say(scene.title)
 
     def _frame(self, place: tuple[float, float] | None) -> None:

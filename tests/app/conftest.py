@@ -135,14 +135,16 @@ def _seabed_is_not_drawn() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(autouse=True)
-def _stand_ins_are_not_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="session", autouse=True)
+def _stand_ins_are_not_explained() -> Iterator[None]:
     """Leave out what is computed from the packed scene of a simulation, which a stand-in lacks."""
-    for module, name in (
-        (compilation, "compile_explanations"), (explained, "find_bin_errors"), (listeners, "find_listeners"),
-        (seabed, "fan_sheet"), (pixel, "_explained"), (comparison, "measure_simulation"),
-    ):  # fmt: skip
-        monkeypatch.setattr(module, name, partial(_unless_stand_in, getattr(module, name)))
+    with pytest.MonkeyPatch.context() as patch:
+        for module, name in (
+            (compilation, "compile_explanations"), (explained, "find_bin_errors"), (listeners, "find_listeners"),
+            (seabed, "fan_sheet"), (pixel, "_explained"), (comparison, "measure_simulation"),
+        ):  # fmt: skip
+            patch.setattr(module, name, partial(_unless_stand_in, getattr(module, name)))
+        yield
 
 
 def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -> Any:
@@ -173,10 +175,14 @@ def renew(viewer: Viewer, scene: Scene) -> None:
     viewer.tow.speed = 1.0
     window.speed.setCurrentText("1×")
     viewer.contacts.open((), "")
+    viewer.simulator._last.clear()
     session.__init__(scene)  # type: ignore[misc]  # without a step
     session.displayed.emit(session.display)
     for view in (window.waterfall, window.record_a):
         view.show_zoom(Zoom())
+    if viewer.seabed.view is not None:
+        viewer.seabed.view.eases = False  # the camera is at its place at once
+        viewer.seabed.view.canvas.widget.setMaximumSize(*window.maximumSize().toTuple())
     viewer.open(scene)
     window.open_panel("parameters")
     window.resize(*USUAL)
@@ -233,6 +239,8 @@ def open_viewer(
             viewer.start()
         viewers.append((viewer, shared))
         qtbot.waitUntil(lambda: until(viewer), timeout=int(1000 * COMPILING))
+        if viewer.seabed.view is not None:
+            viewer.seabed.view.eases = viewer.seabed.accelerated
         return viewer
 
     with main_thread_collection():

@@ -54,7 +54,7 @@ class SeabedController:
     menu_wanted = Signal(object, object)  # the place under the mouse, or None, and the place of the screen
 
     def __init__(self, simulator: Simulator, inspection: Inspection, *, accelerated: bool) -> None:
-        self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
+        self._simulator, self._inspection, self.accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
         self.by_depth = False  # whether the bed is coloured by its depth
         self.shadows = False  # whether acoustic shadows of targets are shown
@@ -82,7 +82,7 @@ class SeabedController:
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
         self._loading = VIEW not in sys.modules
-        if self._accelerated:
+        if self.accelerated:
             load_qt_modules()
         self._executor.submit("libraries", self._import, lambda _: self._build(put))
 
@@ -212,7 +212,7 @@ class SeabedController:
 
     def _import(self) -> None:
         import_module(VIEW)  # takes a second or two
-        if self._accelerated:
+        if self.accelerated:
             import_module("pyvistaqt")
 
     def _build(self, put: Callable[[SeabedView], None]) -> None:
@@ -221,7 +221,7 @@ class SeabedController:
 
         if self._loading:
             leave_out_libraries()
-        self.view = SeabedView(accelerated=self._accelerated)
+        self.view = SeabedView(accelerated=self.accelerated)
         self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
         self.view.zoom_wanted.connect(self._zoom)

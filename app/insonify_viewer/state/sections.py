@@ -51,7 +51,7 @@ class FieldSection:
     @property
     def structure(self) -> tuple[Any, ...]:
         """Everything that the widgets depend on, except the values."""
-        return self.title, self.locked, tuple((type(p), p.path, p.label, p.rare, _widgets(p)) for p in self.parameters)
+        return self.locked, tuple((type(p), p.path, p.label, p.rare, _widgets(p)) for p in self.parameters)
 
 
 def _widgets(parameter: Parameter) -> Any:

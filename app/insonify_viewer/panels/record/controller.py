@@ -67,9 +67,7 @@ class RecordPanel(Panel):
         """Follow the simulation, and count the levels anew now and then."""
         if growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
-            self._simulated.show_marks(line=None)
-            if self._measured is not None and self._measured[0] is self._simulated:
-                self._measured = None
+            self._forget_line(self._simulated)
         now = time.perf_counter()
         if growth.complete or now - self._followed > OFTEN:
             self._followed = now
@@ -101,6 +99,7 @@ class RecordPanel(Panel):
             each.measured.connect(lambda first, last, each=each: self._show_measured(each, first, last))
             each.hovered.connect(lambda mark, each=each: self._hover(each, mark))
             each.recoloured.connect(self._show_colours)
+        self._workbench.recordings.opened.connect(lambda _: self._forget_line(self._recorded))
         self._workbench.recordings.opened.connect(lambda _: self._show_contacts())
         self._workbench.comparison.changed.connect(self._show_marks)
         self.contacts.changed.connect(self._show_contacts)
@@ -220,6 +219,12 @@ class RecordPanel(Panel):
             words = self._measured[1].words
             view.show_marks(line=(first, last, words))
             self.view.show_measured(words)
+
+    def _forget_line(self, view: WaterfallView) -> None:
+        """Forget a line on a record that is replaced."""
+        view.show_marks(line=None)
+        if self._measured is not None and self._measured[0] is view:
+            self._measured = None
 
     def _attach_size(self, row: int, field: str) -> None:
         """Give a contact a size by the line that was measured last: its length, or the height from a shadow."""
