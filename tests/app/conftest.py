@@ -10,7 +10,8 @@ import pytest
 
 os.environ.setdefault("QT_API", "pyside6")
 
-from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QSettings, QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QPoint, QSettings, QTimer
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
@@ -178,6 +179,7 @@ def renew(viewer: Viewer, scene: Scene) -> None:
     viewer.simulator._last.clear()
     session.__init__(scene)  # type: ignore[misc]  # without a step
     session.displayed.emit(session.display)
+    viewer.panels["record"].view.contacts.list.sortItems(0)
     for view in (window.waterfall, window.record_a):
         view.show_zoom(Zoom())
     if viewer.seabed.view is not None:
@@ -187,6 +189,7 @@ def renew(viewer: Viewer, scene: Scene) -> None:
     window.open_panel("parameters")
     window.resize(*USUAL)
     window.waterfall.setFocus()
+    QTest.mouseMove(window.menuBar(), QPoint(2, 2))  # a later move to where the mouse was is none
 
 
 def lanes_of(viewer: Viewer) -> list[Lane]:
