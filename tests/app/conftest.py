@@ -176,10 +176,10 @@ def renew(viewer: Viewer, scene: Scene) -> None:
     viewer.tow.speed = 1.0
     window.speed.setCurrentText("1×")
     viewer.contacts.open((), "")
-    viewer.simulator._last.clear()
     session.__init__(scene)  # type: ignore[misc]  # without a step
     session.displayed.emit(session.display)
     viewer.panels["record"].view.contacts.list.sortItems(0)
+    viewer.panels["record"]._forget_line(window.waterfall)
     for view in (window.waterfall, window.record_a):
         view.show_zoom(Zoom())
     if viewer.seabed.view is not None:
