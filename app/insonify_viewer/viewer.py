@@ -85,7 +85,7 @@ class Viewer(QObject):
         self._waiting = WaitingWatch()
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
-        self._marks = MarkController(self._show_point, self.simulator.executor)
+        self.marks = MarkController(self._show_point, self.simulator.executor)
         self._contrast = Contrast(self.window.waterfall, self.session)
         self._clock = QTimer(self, interval=TICK)
         self._ticked = 0.0
@@ -416,7 +416,7 @@ class Viewer(QObject):
 
     def _show_mark(self, mark: Mark | None) -> None:
         """Show a point of the record in views and panels."""
-        self._marks.show(mark, self.answer, self.record)
+        self.marks.show(mark, self.answer, self.record)
 
     def _show_point(self, point: MarkedPoint | None) -> None:
         self.panels.point_marked.emit(point)

@@ -138,7 +138,7 @@ def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(ope
     page.next.click()
     assert page.step.text() == "2 of 3: Accept an error"
     assert lit_rows(viewer) == set()
-    tolerance = viewer.panels["plan"].view._tolerance.label
+    tolerance = viewer.panels["plan"].view.tolerance.label
     assert tolerance.property("lit")
     assert not tolerance.visibleRegion().isEmpty(), "the panel of the plan is in front"
     assert not page.answer.isVisible()

@@ -142,11 +142,11 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_thre
     for name in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(colour, name) for colour in seen), name
     # So is that of a fish below the bed, as of one that is towed at a depth beside a slope.
-    explanation, cut = section._shown
+    explanation, cut = section.shown
     for raised in (50.0, 1e12):
         section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
         section.draw_now()
-        low, high = heights_shown(section._shown[1], surfaced=False)
+        low, high = heights_shown(section.shown[1], surfaced=False)
         assert low < float(cut.sonar.place[2]) < high
         section.grab()  # an exception would fail the test
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)

@@ -75,7 +75,7 @@ def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_
     assert viewer.session.modelling == Modelling()
     # The tolerance is final when it is let go.
     finish(viewer, qtbot, viewer.open, small)
-    slider = move_slider(viewer.panels["plan"].view._tolerance.slider, 1000)
+    slider = move_slider(viewer.panels["plan"].view.tolerance.slider, 1000)
     assert viewer.session.modelling.tolerance == 0.03
     finish(viewer, qtbot, slider.setSliderDown, False)
     assert viewer.session.modelling.tolerance == viewer.answer.simulation.tolerance == 0.5

@@ -266,7 +266,7 @@ def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_opt
     # Options reach a recording.
     viewer.session.show(newest_on_top=True, scale="fill", side_gains=(0.0, 0.0))
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
-    assert viewer.window.waterfall._look == viewer.window.record_a._look == viewer.session.display
+    assert viewer.window.waterfall.look == viewer.window.record_a.look == viewer.session.display
 
 
 @pytest.mark.parametrize("width", [1, 7, 100, 101, 350])

@@ -115,7 +115,7 @@ def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
 
 def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel, qtbot):
     histogram, view = panel.view.histogram, viewer.window.waterfall
-    qtbot.waitUntil(lambda: histogram._counts.max() == 1.0)
+    qtbot.waitUntil(lambda: histogram.counts.max() == 1.0)
     before = picture_of(view).copy()
     drag(histogram.surface, *(histogram.place_of(level, 0.5) for level in (histogram.ends[1], 20.0)))
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)

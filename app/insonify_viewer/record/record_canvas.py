@@ -53,7 +53,7 @@ class RecordCanvas(Painted):
         self._range, self._step = 1.0, 1.0
         # Amplitudes at the ends of the palette, where the display options leave them to the record.
         self.levels: Levels = (0.0, 1.0)
-        self._look, self.zoom = DisplayOptions(), Zoom()
+        self.look, self.zoom = DisplayOptions(), Zoom()
         self.marks = overlays.RecordMarks()
         self.errors: overlays.BinErrors | None = None
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
@@ -101,8 +101,8 @@ class RecordCanvas(Painted):
         self._preview = preview
         if not preview:
             self.overview.put(self.record, rows)
-        if not self.projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
-            axis = choose_axis(self._look, self.record, self._range)
+        if not self.projection.axis.shows_water or self.look.ground_range or not self.look.water_column:
+            axis = choose_axis(self.look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
         self.image.put(rows, self.projection, self.tone_map, reach, drawn)
@@ -132,7 +132,7 @@ class RecordCanvas(Painted):
 
     def show_display(self, look: DisplayOptions) -> None:
         """Show the record by other display options."""
-        before, self._look = self._look, look
+        before, self.look = self.look, look
         self.handle.newest_on_top = look.newest_on_top
         self.tone_map = make_tone_map(look, self.levels)
         if any(getattr(before, name) != getattr(look, name) for name in GEOMETRY):
@@ -147,7 +147,7 @@ class RecordCanvas(Painted):
         """Set the amplitudes at the ends of the palette, where the display options leave them to the record."""
         if levels != self.levels:
             self.levels = levels
-            self.tone_map = make_tone_map(self._look, levels)
+            self.tone_map = make_tone_map(self.look, levels)
             self._paint_rows(np.arange(self.record.pings))
             self.recoloured.emit()
 
@@ -262,23 +262,23 @@ class RecordCanvas(Painted):
 
     def _lay(self) -> None:
         """Place plot and handle in the view."""
-        axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self.zoom
-        across = axis.reach * (2.0 if self._look.side == "both" else 1.0)
+        axis, room, zoom = choose_axis(self.look, self.record, self._range), self._room(), self.zoom
+        across = axis.reach * (2.0 if self.look.side == "both" else 1.0)
         self.plot_area = QRect(room.topLeft(), room.size().expandedTo(QSize(1, 1)))
-        if self._look.scale == "true":
+        if self.look.scale == "true":
             along, size = self.record.pings * self.step, (self.plot_area.width(), self.plot_area.height())
-            zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self._look.newest_on_top)
-        self.projection = project_record(self._look, self.record, axis, zoom, self.top)
+            zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self.look.newest_on_top)
+        self.projection = project_record(self.look, self.record, axis, zoom, self.top)
         self.handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
 
     def _project(self) -> None:
         known = self.projection
-        self.projection = project_record(self._look, self.record, known.axis, known.zoom, self.top)
+        self.projection = project_record(self.look, self.record, known.axis, known.zoom, self.top)
 
     def _fit(self) -> None:
         """Compute the display columns of every row for the present width."""
         self._lay()
-        self.tone_map = make_tone_map(self._look, self.levels)
+        self.tone_map = make_tone_map(self.look, self.levels)
         width = max(int(self.plot_area.width() * self.devicePixelRatioF()), 2)
         self.image.fit(self.record, self.projection, self.tone_map, width)
         self.update()
@@ -317,9 +317,9 @@ class RecordCanvas(Painted):
         """Draw lines, marks and the bar of what is waited for over the record."""
         if self.errors is not None and self.errors.shares.shape[1] == 2 * self.record.bins:
             overlays.draw_errors(painter, plot, self.projection, self.errors)
-        if self._look.range_lines:
+        if self.look.range_lines:
             overlays.draw_range_lines(painter, plot, self.projection, self._text)
-        if self._look.bottom_line:
+        if self.look.bottom_line:
             overlays.draw_bottom_line(painter, plot, self.projection)
         overlays.draw_range_bar(painter, plot, self.projection)
         if self.waiting is not None:

@@ -218,7 +218,7 @@ class WaterfallView(RecordCanvas):
 
     def _scroll_by(self, pings: float) -> None:
         """Move the picture up by some pings, and signal by how many to look back; touchpads send fractions."""
-        self._notches += pings if self._look.newest_on_top else -pings
+        self._notches += pings if self.look.newest_on_top else -pings
         whole = int(self._notches)
         if whole:
             self._notches -= whole
@@ -243,7 +243,7 @@ class WaterfallView(RecordCanvas):
             self._move_under_cursor(PAGES[key] * abs(lower - upper))
             self._point()
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End) and keys == Qt.KeyboardModifier.ControlModifier:
-            self._go_to_end((key == Qt.Key.Key_Home) == self._look.newest_on_top)
+            self._go_to_end((key == Qt.Key.Key_Home) == self.look.newest_on_top)
         elif key in ENTER and not keys:
             self._enter()
         else:
