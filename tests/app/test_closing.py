@@ -149,14 +149,25 @@ atexit.register(viewer.window.close)
         # PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once.
         ("from insonify_viewer.seabed.controller import load_qt_modules as load; load()", "import pyvistaqt",
          ("PySide6", "qtpy", "shiboken6")),
+        ("", "import insonify_viewer.seabed.seabed_view, pyvistaqt", ("matplotlib", "mypy")),
     ],
-    ids=["command", "window", "worker"],
+    ids=["command", "window", "worker", "view"],
 )  # fmt: skip
 def test_libraries_are_not_loaded_before_they_are_needed(before, work, libraries):
     """Neither a window by the command, kernels and three dimensions by a window, nor Qt by a worker."""
     modules = f"{{name.split('.')[0] for name in set(sys.modules) - known}} & set({libraries})"
     code = f"import sys\n{before}\nknown = set(sys.modules)\n{work}\nprint(*{modules})"
     assert run_python("-c", code, timeout=PATIENCE) == (0, "\n", "")
+
+
+def test_pyvista_imports_matplotlib_for_the_colours_of_a_map():
+    code = """
+import sys
+from insonify_viewer.seabed.lean_pyvista import pv
+assert "matplotlib" not in sys.modules
+print(pv.LookupTable("viridis", n_values=2).values.tolist(), "matplotlib" in sys.modules)
+"""
+    assert run_python("-c", code, timeout=PATIENCE) == (0, "[[68, 1, 84, 255], [253, 231, 36, 255]] True\n", "")
 
 
 class Node:
