@@ -103,7 +103,7 @@ def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
     usual = qapp.font().pointSizeF()
     enlarge_text(qapp, 200)
     assert qapp.font().pointSizeF() == 2.0 * usual
-    viewer = open_viewer(small)
+    viewer = open_viewer(small, own=True)
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()

@@ -17,6 +17,11 @@ Key, Modifier = Qt.Key, Qt.KeyboardModifier
 
 
 @pytest.fixture
+def viewer(open_viewer, small):
+    return open_viewer(small, own=True)  # with the cursor where it is at first
+
+
+@pytest.fixture
 def focused(viewer, qtbot):
     """A viewer that is paused at ping 500, whose record has the keyboard."""
     activate(viewer.window, qtbot)
