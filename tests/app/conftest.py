@@ -3,6 +3,7 @@
 import os
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import lru_cache, partial
 from typing import Any
 
@@ -231,10 +232,16 @@ def open_viewer(
         until: Callable[[Viewer], bool] = lambda viewer: viewer.complete,
     ) -> Viewer:
         shared = None if own or solid else SHARED.get(prepare)
-        if shared:
-            viewer = shared.pop()
+        viewer = shared.pop() if shared else None
+        if viewer is not None:
             renew(viewer, scene)
-        else:
+            with suppress(qtbot.TimeoutError):
+                qtbot.waitUntil(lambda: viewer.complete)
+            if not viewer.complete:  # a test has left something that waits for ever
+                viewer.window.close()
+                viewer.window.deleteLater()
+                viewer = None
+        if viewer is None:
             viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
             viewer.window.show()
             viewer.tow.run(False)
