@@ -155,11 +155,12 @@ def _unless_stand_in(compute: Callable[..., Any], simulation: Any, *rest: Any) -
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _shared_viewers_are_closed() -> Iterator[None]:
-    """Close what tests have shared."""
+def _shared_viewers_are_closed(qapp: QApplication) -> Iterator[None]:
+    """Close what tests have shared, without a question."""
     yield
     for viewers in SHARED.values():
         for viewer in viewers:
+            viewer.window.may_close = lambda: True
             viewer.window.close()
         viewers.clear()
     await_threads(set())
