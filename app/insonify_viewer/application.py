@@ -18,6 +18,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.compiler.progress import watch_compilation
+from insonify.io.sealed import SUFFIX
 from insonify.lessons.lesson import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.errors import cause_of
@@ -89,7 +90,7 @@ def keep_place(viewer: Viewer) -> None:
 def _begin(
     viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None, panel: str
 ) -> None:
-    """Pin a pixel, begin a lesson, open a recording, the partner of the scene and a panel, if they are given."""
+    """Pin a pixel, begin a lesson, open a recording or exercise, the scene's partner and a panel, if given."""
     viewer.inspection.pin(pin)
     if pin is not None:
         viewer.targets.handles.choose_at(pin)
@@ -101,7 +102,8 @@ def _begin(
         assert isinstance(lessons, LessonsPanel)
         lessons.begin(lesson)
     if recording:
-        QTimer.singleShot(0, lambda: viewer.recordings.open(recording))  # once the window is laid out
+        opener = viewer.files if recording.lower().endswith(SUFFIX) else viewer.recordings
+        QTimer.singleShot(0, lambda: opener.open(recording))  # once the window is laid out
     if pair is not None:
         viewer.window.open_panel(ComparisonPanel.name)
         viewer.comparison.open_partner()

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 from insonify.commands import options
 from insonify.compiler.processes import compiled_elsewhere
 from insonify.io.records import RECORDS
+from insonify.io.sealed import SUFFIX
 from insonify.lessons.lesson import Lesson
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_partner
 from insonify_viewer.record.comparison.arrangement import Arrangement
 
 if TYPE_CHECKING:
@@ -94,6 +95,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Open the viewer, or draw its window into a picture where it cannot be opened."""
     recording = _take_recording(arguments)
     lesson, scene = (None, options.chosen_scene(arguments)) if arguments.lesson is None else _chosen_lesson(arguments)
+    if arguments.scene.lower().endswith(SUFFIX):  # an exercise hides what is to be found from its window
+        scene, recording = edit(scene, {"targets": [], "volumes": []}), arguments.scene
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     pair = _pairing(scene, arguments)
     reason = why_no_window()

@@ -69,6 +69,8 @@ class Viewer(QObject):
         self.panels = PanelSet(self._workbench())
         parts = self.recordings, self.contacts, self.saving
         self.files = FileOpening(self.session, self.simulator, self.window, *parts, self.open)
+        panel: Any = self.panels["tow"]
+        self.files.exercise_opened.connect(panel.open_exercise)
         added = self.panels.part_added.emit
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
@@ -220,6 +222,7 @@ class Viewer(QObject):
             drape=lambda strip: self.seabed.drape(strip),
             open_panel=self.window.open_panel,
             inspection=self.inspection,
+            tow=self.tow,
             jobs=self.jobs,
             recordings=self.recordings,
             comparison=self.comparison,

@@ -57,7 +57,7 @@ def bundled_targets() -> dict[str, str]:
 
 
 def bundled_specifications(folder: str) -> dict[str, Path]:
-    """Return the specifications that come with the package, by name: those of ``surveys`` or of ``datasets``."""
+    """Return the specifications that come with the package, by name, from ``surveys`` or from ``datasets``."""
     return {path.stem: path for path in sorted((resources() / folder).glob("*.toml"))}
 
 

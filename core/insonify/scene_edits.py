@@ -89,7 +89,7 @@ def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
 
 
 def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Clear the numbers of a material when its name changes, so that those of the name apply."""
+    """Clear the numbers of a material when its name changes, so that the numbers of the name apply."""
     owners = [path.removesuffix(".name") for path in changes if path.endswith(".name")]
     of_beds = {f"{owner}.{number}": None for owner in owners if "material" in owner for number in Reflectivity._fields}
     return of_beds | {f"{owner}.diffuse": None for owner in owners if owner.startswith("seabed.relief.of")}, ""

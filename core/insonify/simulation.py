@@ -131,7 +131,7 @@ class Simulation(PackedScene):
 
     @property
     def estimates_errors(self) -> bool:
-        """Whether the planes of each ping estimate its error: those of the sweep, which sums energies."""
+        """Whether the planes of each ping estimate its error, as in the sweep, which sums energies."""
         return isinstance(self.tracer, Sweep)
 
     def _trace_by(self, planes: Integers, poses: Poses, arrays: SceneArrays) -> Traced:
@@ -152,19 +152,19 @@ class Simulation(PackedScene):
         return _with_planes(self.plan.settings, planes, self.plan.planes)
 
     def errors(self, squares: Floats) -> Singles:
-        """Estimated errors from their squares, (.., regions, 2): those of planes, and of what the plan leaves out.
+        """Estimated errors from their squares, (.., regions, 2): errors of planes, and of what the plan leaves out.
 
         Where planes give no estimate it is the error that the plan has measured; NaN in a plan that measured nothing.
         """
-        by_planes = np.hypot(self._trust * errors_of_sides(squares), self.plan.left_out)
+        by_planes = np.hypot(errors_of_sides(squares), self.plan.left_out)
         return np.where(_are_estimates(squares), by_planes, self._measured_error).astype(np.float32)
 
     def bin_errors(self, traced: TracedPings) -> Singles:
         """Estimated errors of the bins of pings that are traced with them, (n, 2, bins), as intensities of the record.
 
-        Over the echo of a level bed, their squares add up to that of the error of a side by planes.
+        Over the echo of a level bed, their squares add up to the square of the error of a side by planes.
         """
-        by_planes = np.hypot(self._trust * traced.bin_errors, self.plan.left_out * traced.echoes)
+        by_planes = np.hypot(traced.bin_errors, self.plan.left_out * traced.echoes)
         is_estimate = _are_estimates(traced.squares)[..., None]
         errors = np.where(is_estimate, by_planes, self._measured_error * traced.echoes)
         return np.asarray(errors * self.reception.gain, np.float32)
@@ -175,11 +175,6 @@ class Simulation(PackedScene):
             method = "coherent speckle" if self.plan.method == "sweep" else f"the method {self.plan.method!r}"
             remedy = "leave it out" if self.plan.method == "sweep" else "leave it out or use the method 'sweep'"
             raise SceneError(f"bin_error: {method} gives no estimate of the error of bins; {remedy}")
-
-    @property
-    def _trust(self) -> float:
-        """Error of planes over what they estimate."""
-        return 1.0 if self.plan.goal is None else self.plan.goal.trust
 
     @property
     def _measured_error(self) -> float:
@@ -201,8 +196,8 @@ class Simulation(PackedScene):
         Returns
         -------
         RecordLabels
-            Arrays (n, 2, bins), port first. It comes from the geometry of the sweep whatever the method, and is that
-            of an ideal pulse: a longer one carries each echo on into the bins that follow.
+            Arrays (n, 2, bins), port first. It comes from the geometry of the sweep for every method, with an ideal
+            pulse: a longer one carries each echo on into the bins that follow.
         """
         pings = np.asarray(pings, dtype=np.int64)
         return self.labels(self.poses(pings))[0]
@@ -217,6 +212,8 @@ class Simulation(PackedScene):
         water, crosstalk = self.reception.find(WaterColumn), self.reception.find(Crosstalk)
         settings: dict[str, Any] = self.plan.label_settings | {"targets_alone": targets_alone and self._shows_bed}
         settings["crosstalk"], first = 0.0 if crosstalk is None else crosstalk.share, settings.get("planes", 16)
+        goal = self.plan.goal if self.estimates_errors else None
+        settings |= {} if goal is None else {"trust": goal.trust}
 
         def label_tile(tile: SceneArrays, some: Poses, counts: Integers) -> tuple[Any, ...]:
             volumes = water.volumes.energies(some) if water is not None and water.volumes is not None else None
@@ -230,7 +227,6 @@ class Simulation(PackedScene):
             return found
 
         with limited_threads(self.threads):
-            goal = self.plan.goal if self.estimates_errors else None
             (*labels, echoes, squares), planes = trace_until(goal, first, poses.x.size, label_some)
         return RecordLabels(*labels), TracedPings(echoes, squares, planes, empty_bin_errors(poses.x.size))
 
@@ -474,8 +470,8 @@ def simulate_blocks(
     Returns
     -------
     iterator of Dataset
-        Successive pings. Labels of a whole target describe all pings so far; those of the last block describe the
-        whole record. The bed and the plan are made for the first one.
+        Successive pings. Labels of a whole target describe all pings so far; the last block's labels describe the whole
+        record. The bed and the plan are made for the first one.
 
     Raises
     ------

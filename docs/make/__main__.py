@@ -63,7 +63,7 @@ def main() -> int:
             if _wanted(name, arguments.names):
                 draw()
     for name in stale:
-        sys.stderr.write(f"docs/{name} {'is out of date: run python docs/make' if arguments.check else 'made anew'}\n")
+        sys.stderr.write(f"docs/{name} {'is out of date: run python docs/make' if arguments.check else 'written'}\n")
     return int(arguments.check and bool(stale))
 
 

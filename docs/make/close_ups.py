@@ -59,7 +59,8 @@ def enlarge(name: str, drawn: Path) -> None:
             axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
         figure.axes[0].set_ylabel("along the track (m)")
         for text, place, aside in WORDS.get(name, list)():
-            axes.annotate(text, place, aside, bbox=HALO, color=INK, fontsize=12, va="center", arrowprops=ARROW)
+            line = None if aside == place else ARROW
+            axes.annotate(text, place, aside, bbox=HALO, color=INK, fontsize=12, va="center", arrowprops=line)
         figure.savefig(drawn, dpi=130)
         plt.close(figure)
 
@@ -87,7 +88,7 @@ def _ghosts() -> list[Word]:
         row = 18.0 + 12.0 * number
         across = pipe.position[1] + (row - pipe.position[0]) * math.tan(math.radians(pipe.heading))
         slant = 0.5 * sum(math.hypot(across, up) for up in heights)
-        words.append((text, (-slant, row), (-11.5, row - 3.0)))
+        words.append((text, (-slant, row), (-14.0 if number > 1 else -11.5, row - 3.0)))
     return words
 
 

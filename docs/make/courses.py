@@ -43,7 +43,8 @@ WEEKS = (
     ("Targets", "pipe-span detection wreck-or-rock figure-2 figure-4 figure-5",
      "Describe a contact so that another finds it."),
     ("Surveys", "survey-lines mosaics", "Plan lines for a square kilometre and 3 pings on a metre."),
-    ("A recording, and the test", "read-a-recording end-test other-ocean", "Hand in the pages of all three."),
+    ("A recording, and the test", "read-a-recording end-test other-ocean",
+     "Hand in the pages of all three, and the contacts of an exercise."),
 )  # fmt: skip
 # Minutes of a demonstration, its lessons, and what is shown.
 DEMO = (
@@ -59,6 +60,7 @@ PLANS = """
 ## A semester of 12 weeks
 
 Two hours a week: one with the lessons of the week, one for the exercise and its discussion. {unplanned}
+The courses end with a [survey exercise](exercise.md): survey hidden targets, hand in contacts, be marked.
 
 | week | subject | lessons | minutes | exercise |
 |---|---|---|---|---|
@@ -75,17 +77,17 @@ With the [lecture](view.md#lecture) view (F11) on a projector: the class guesses
 """
 ANSWERS = """# Answers for teachers
 
-The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers are those
-of the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws its
-numbers anew in every run: here is one draw.
+The right answers of all lessons, and the misconceptions behind the wrong ones that the viewer knows. Numbers follow
+from the scene as the lesson opens it; an answer is judged on the student's own scene. The lesson `other-ocean` draws
+other numbers in every run: here is one draw.
 
 """
 
 TOPICS = """## Topics
 
-Each topic with its lesson, its questions, and what the right answer is checked by: a closed form of the student's
-scene; its value as measured in the simulated record (`insonify lesson check`); a condition on that record, which tests
-what is to be seen there and not always the number that is asked for; or, for a choice, the reasons alone.
+Each topic with its lesson, its questions, and the check of the right answer. It is a closed form of the student's
+scene; its value as measured in the simulated record (`insonify lesson check`); or a condition on that record. A choice
+may have its reasons alone.
 
 | topic | lesson | question | checked by |
 |---|---|---|---|

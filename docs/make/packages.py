@@ -49,9 +49,9 @@ results to the main thread through `insonify_viewer/work/executor.py`.
 FAMILIES = """
 ## Families of kinds
 
-Every choice of a scene or of a data set is a family: one class a kind, found by being declared in a module of the
-family's package, or announced by an installed package as an entry point of the group. [Add something new](extend.md)
-says how.
+Every choice of a scene or of a data set is a family with one class a kind. A class is found in a module of the family's
+package, or where an installed package announces it as an entry point of the group. [Add something new](extend.md) says
+how.
 
 | family | package | entry points | kinds |
 |---|---|---|---|

@@ -189,7 +189,7 @@ def test_the_explanation_waits_for_an_answer_and_the_move_on_which_it_is_judged(
             assert shown(page) == (False, False)
             action()
         assert shown(page) == (True, True)
-        assert page.verdict.text() == "✗ Not quite: it is 118 m. Slant range is no distance on the bed."
+        assert page.verdict.text() == "✗ Not quite. Answer: 118 m. Slant range is no distance on the bed."
         assert not page.ask.number.isEnabled()
         viewer.session.settle({"sonar.range": 70.0})
         assert "118 m" in page.verdict.text(), "it is judged once"
@@ -223,7 +223,7 @@ def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, 
     page, summary = panel.view.page, panel.view.summary
     page.ask.unknown.click()
     page.show_me.click()
-    assert page.verdict.text() == "→ It is 118 m."
+    assert page.verdict.text() == "→ Answer: 118 m."
     page.next.click()
     assert shown(page) == (False, False)
     assert not page.ask.answer.isEnabled()
@@ -231,7 +231,7 @@ def test_choices_unknown_answers_and_the_summary(open_lessons, qtbot, tmp_path, 
     qtbot.mouseClick(rows["Slower"].label, Qt.MouseButton.LeftButton)
     page.ask.answer.click()
     page.show_me.click()
-    assert page.verdict.text() == "✗ Not quite: it is Faster. Fewer planes are traced."
+    assert page.verdict.text() == "✗ Not quite. Answer: Faster. Fewer planes are traced."
     page.next.click()
     assert page.reveal.isVisible(), "the last step asks nothing in advance"
     page.back.click()

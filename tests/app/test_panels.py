@@ -14,8 +14,8 @@ from insonify_viewer.panels import GROUP, find_panels
 from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 from insonify_viewer.state.inspection import Mark
 
-OWN = ["parameters", "plan", "record", "budget", "chart", "comparison", "jobs", "lessons", "pixel", "readout", "water"]
-OWN += ["error"]  # at the right
+OWN = ["parameters", "plan", "record", "budget", "chart", "comparison", "jobs", "lessons", "pixel", "readout", "tow"]
+OWN += ["water", "error"]  # at the right
 
 
 class DummyPanel(Panel):

@@ -79,10 +79,11 @@ def test_a_saved_scene_is_the_scene_and_is_saved_again_where_it_is(viewer, tmp_p
 
 
 def test_a_record_is_written_as_the_command_writes_it(open_viewer, small, qtbot, tmp_path, name, monkeypatch):
-    assert set(RECORDS.writable()) >= {".nc", ".npz", ".xtf"}
+    assert set(RECORDS.writable()) >= {".nc", ".npz", ".xtf", ".jsf"}
     viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
-    name(tmp_path / "record.xtf")
-    check_written(viewer, tmp_path / "record.xtf", qtbot)
+    for recording in ("record.xtf", "record.jsf"):
+        name(tmp_path / recording)
+        check_written(viewer, tmp_path / recording, qtbot)
     # A name without a suffix takes that of the format.
     npz = next(each for each in RECORDS.formats() if ".npz" in each.suffixes)
     name(tmp_path / "record", f"{npz.description} (*.npz)")
@@ -107,7 +108,7 @@ def check_written(viewer, path, qtbot):
     assert not viewer.window.jobs.isVisible()
     record = read_record(path)
     assert record.sizes["ping_time"] == scene.track.pings
-    if path.suffix != ".xtf":  # which keeps fewer digits
+    if path.suffix not in (".xtf", ".jsf"):  # which keep fewer digits
         np.testing.assert_array_equal(record.intensity, simulate(scene).intensity)
 
 

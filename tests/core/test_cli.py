@@ -25,7 +25,10 @@ SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
     ("command", "expected"),
     [
         ("render atlantis -o x.png", "no such file; give a TOML file or one of breaks-beats"),
-        ("render default -o x.jpg", "'.jpg' is not written by this command; end the name in .png or .nc or .npz"),
+        (
+            "render default -o x.jpg",
+            "'.jpg' is not written by this command; end the name in .png or .nc or .npz",
+        ),
         ("render default -o x", "'' is not written by this command"),
         ("render default -o nowhere/x.png", "there is no folder 'nowhere'; create it"),
         ("render default -o .", "is a folder; give the name of a file in it"),
@@ -199,7 +202,7 @@ def test_commands_import_no_more_than_they_use(tmp_path):
         "slow = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib', 'scipy', 'xarray', 'netCDF4'};"
         "loaded = slow & set(sys.modules);"
         "render = lambda *all: any([main(['render', *sys.argv[2:], '-o', sys.argv[1] + suffix]) for suffix in all]);"
-        "code = code or render('.png', '.nc', '.npz', '.xtf');"
+        "code = code or render('.png', '.nc', '.npz', '.xtf', '.jsf');"
         "loaded |= {'xarray', 'pandas', 'dask'} & set(sys.modules);"
         "import insonify; from insonify.io.records import read_record; from insonify.scene import edit, load_scene;"
         "scene = edit(load_scene('default'), {'track.pings': 3, 'sonar.bins': 40});"

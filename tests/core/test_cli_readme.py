@@ -81,7 +81,7 @@ def test_there_are_commands_to_try_in_the_environment_that_the_first_of_the_read
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = project["tool"]["uv"]["default-groups"]
     needed = [each for group in groups for each in project["dependency-groups"][group]]
-    assert "insonify[learning,movies,surveys,viewer]" in needed
+    assert "insonify[fishfinder,learning,live,movies,surveys,viewer]" in needed
 
 
 def test_clones_get_a_version_of_every_package_and_all_have_a_bound_above():

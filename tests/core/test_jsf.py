@@ -1,5 +1,9 @@
 """JSF recordings: messages of side-scan data as EdgeTech describes them."""
 
+import struct
+from datetime import datetime
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,8 +12,10 @@ from insonify.cli import main
 from insonify.errors import FileWarning
 from insonify.io.navigation.formats import read_recording
 from insonify.io.records import read_record, write_record
+from insonify.io.records.jsf_writer import encode_nmea, encode_ping
+from insonify.io.records.survey_log import LoggedPing
 from jsf_files import message, trace, write_jsf
-from xtf_files import amplitudes
+from xtf_files import amplitudes, made_record, packets, random_counts
 
 PING = {"samples": [np.array([1, 2, 3, 4]), np.array([10, 20, 30, 40])]}
 
@@ -130,14 +136,156 @@ def test_a_broken_file_is_one_sentence(tmp_path, capsys, content, expected):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_recording_becomes_xtf(tmp_path):
+def test_a_recording_becomes_xtf_and_jsf(tmp_path):
     pings = [{**PING, "x": -408_000_00 + n, "y": 288_000_00, "heading": 4500, "altitude": 5000} for n in range(1, 5)]
     record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    for name in ("b.xtf", "b.jsf"):
+        write_record(tmp_path / name, [record])
+        copy = read_record(tmp_path / name)
+        np.testing.assert_array_equal(copy.intensity, record.intensity)
+        np.testing.assert_allclose(copy.platform_x, record.platform_x, atol=1e-4 if name == "b.xtf" else 0.1)
+        assert copy.attrs["time_coverage_start"] == record.attrs["time_coverage_start"]
+
+
+def messages(path: Path) -> list[tuple[int, int, int, bytes]]:
+    return split_messages(path.read_bytes())
+
+
+def split_messages(content: bytes) -> list[tuple[int, int, int, bytes]]:
+    """Type, subsystem, channel and body of each message, to the end."""
+    found = []
+    while content:
+        marker, _, _, kind, _, subsystem, channel, _, _, size = struct.unpack_from("<HBBHBBBBHi", content)
+        assert marker == 0x1601
+        found.append((kind, subsystem, channel, content[16 : 16 + size]))
+        content = content[16 + size :]
+    return found
+
+
+def field(body: bytes, code: str, offset: int) -> float:
+    return struct.unpack_from(f"<{code}", body, offset)[0]
+
+
+def samples(body: bytes) -> np.ndarray:
+    """Amplitudes by the manufacturer's rule: numbers of 16 bits times 2 to the power of minus the weight."""
+    count = field(body, "H", 114) + (field(body, "H", 16) >> 8 & 15) * 65536
+    assert len(body) == 240 + 2 * count
+    return np.frombuffer(body, "<i2", offset=240) * 2.0 ** -field(body, "h", 168)
+
+
+def test_a_written_record_is_what_an_independent_parser_and_this_reader_find(tmp_path):
+    record = made_record(1e-3 * random_counts(11), crs="EPSG:32631", origin_x=560_000.0, origin_y=6_500_000.0)
+    record = record.assign_attrs(frequency=900e3, time_coverage_start="2024-02-29T23:59:59.500000")
+    write_record(tmp_path / "a.jsf", [record.isel(ping_time=slice(4)), record.isel(ping_time=slice(4, None))])
+    found = messages(tmp_path / "a.jsf")
+    assert [each[:3] for each in found] == [(2020, 101, 0), (80, 20, 0), (80, 20, 1)] * 7
+    port, starboard = ([body for kind, _, side, body in found if (kind, side) == (80, row)] for row in (0, 1))
+    exact = np.sqrt(record.intensity.values)
+    got = np.array([list(map(samples, port)), list(map(samples, starboard))])
+    unit = 2.0 ** -field(port[0], "h", 168)
+    assert 2**14 <= exact.max() / unit < 2**15
+    np.testing.assert_allclose(got, exact, atol=0.5 * unit)
     write_record(tmp_path / "a.xtf", [record])
-    copy = read_record(tmp_path / "a.xtf")
-    np.testing.assert_array_equal(copy.intensity, record.intensity)
-    np.testing.assert_allclose(copy.platform_x, record.platform_x, atol=1e-4)
-    assert copy.attrs["time_coverage_start"] == record.attrs["time_coverage_start"]
+    _, other = packets(tmp_path / "a.xtf")
+    for number, (body, ping) in enumerate(zip(port, other)):
+        seconds = 1_709_251_199.5 + number / 4.0
+        assert (field(body, "i", 0), field(body, "I", 8)) == (int(seconds), number)
+        assert field(body, "I", 200) == round(seconds % 86_400 * 1000)
+        day = (2024, 60, 23, 59) if number < 2 else (2024, 61, 0, 0)
+        assert struct.unpack_from("<4h", body, 156) == day
+        places = [field(body, "i", at) / 60e4 for at in (80, 84)]
+        np.testing.assert_allclose(places, [ping.SensorXcoordinate, ping.SensorYcoordinate], atol=0.5 / 60e4)
+        np.testing.assert_allclose(field(body, "H", 172) / 100.0, ping.SensorHeading, atol=0.0051)
+        turn = 180.0 / 32768.0
+        np.testing.assert_allclose(field(body, "h", 174) * turn, ping.SensorPitch, atol=0.51 * turn)
+        np.testing.assert_allclose(field(body, "h", 176) * turn, ping.SensorRoll, atol=0.51 * turn)
+        np.testing.assert_allclose(field(body, "i", 136) / 1e3, ping.SensorDepth, atol=6e-4)
+        np.testing.assert_allclose(field(body, "i", 144) / 1e3, ping.SensorPrimaryAltitude, atol=6e-4)
+        knots = field(body, "h", 194) / 10.0 + (field(body, "H", 20) & 15) / 100.0
+        np.testing.assert_allclose(knots, ping.SensorSpeed, atol=0.0051)
+        np.testing.assert_allclose(field(body, "f", 148), 1480.0, rtol=1e-6)
+        step = field(body, "I", 116) + (field(body, "H", 18) & 255) / 256.0
+        np.testing.assert_allclose(step * 1e-9, 2.0 * 0.05 / 1480.0, rtol=1e-6)
+        assert field(body, "H", 126) + (field(body, "H", 16) & 15) * 65536 == 90_000
+        assert field(body, "H", 30) == 0b100001001101101
+    attitude = next(body for kind, *_, body in found if kind == 2020)
+    assert len(attitude) == 44
+    assert field(attitude, "i", 36) == 1 << 6 | 1 << 7 | 1 << 9
+    np.testing.assert_allclose(field(attitude, "h", 24) * 180.0 / 32768.0, 2.0, atol=0.003)
+    read, same = read_record(tmp_path / "a.jsf"), read_record(tmp_path / "a.xtf")
+    np.testing.assert_array_equal(read.intensity, same.intensity)
+    for name in ("slant_range", "travel_time", "ping_time"):
+        np.testing.assert_allclose(read[name], record[name], rtol=1e-6, atol=1e-9)
+    for name, close in {"x": 0.3, "y": 0.2, "heading": 0.006, "depth": 1e-3, "pitch": 0.003, "roll": 0.003}.items():
+        np.testing.assert_allclose(read[f"platform_{name}"], same[f"platform_{name}"], atol=close)
+    assert (read.attrs["frequency"], read.attrs["time_coverage_start"]) == (900e3, "2024-02-29T23:59:59.500000")
+
+
+@pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::DeprecationWarning", "ignore::ResourceWarning")
+def test_programs_of_others_draw_the_same_picture_of_both_formats(tmp_path):
+    pytest.importorskip("pingverter")
+    pyjsf = pytest.importorskip("pyjsf")
+    import pingverter
+
+    # Weight 0, so that the numbers in both files are the amplitudes.
+    record = made_record(np.maximum(random_counts(11), 2.0**14 * (np.arange(40) == 3)))
+    for name in ("a.jsf", "a.xtf"):
+        write_record(tmp_path / name, [record])
+    exact = np.sqrt(record.intensity.values)
+    read = [each for each in pyjsf.jsf_read(tmp_path / "a.jsf") if each[0].message_type == 80]
+    np.testing.assert_array_equal(
+        [[data.data for head, _, data in read if head.channel_number == k] for k in (0, 1)], exact
+    )
+    _, pings = packets(tmp_path / "a.xtf")
+    xtf = np.array([[ping.data[side][:: 2 * side - 1] for ping in pings] for side in (0, 1)])
+    np.testing.assert_array_equal(xtf, exact)
+    table = pingverter.jsf2pingmapper(str(tmp_path / "a.jsf"), str(tmp_path / "out")).header_dat
+    content = (tmp_path / "a.jsf").read_bytes()
+    for beam, side in ((2, 0), (3, 1)):
+        rows = table[table.beam == beam]
+        places = zip(rows["index"] + rows["son_offset"], rows["ping_cnt"])
+        np.testing.assert_array_equal([np.frombuffer(content, "<i2", count, at) for at, count in places], exact[side])
+        np.testing.assert_allclose(rows["pixM"], 0.05, rtol=1e-4)
+        np.testing.assert_allclose(np.diff(rows["time_s"]), 0.25, atol=1e-6)
+        np.testing.assert_allclose(rows["lat"], [ping.SensorYcoordinate for ping in pings], atol=1e-6)
+        np.testing.assert_allclose(rows["pitch"], record.platform_pitch, atol=0.003)
+
+
+def test_what_is_not_known_is_not_valid_and_a_made_up_place_is_said(tmp_path):
+    record = made_record(np.zeros((3, 2, 70_000)))
+    unknown = ["platform_altitude", "platform_heading", "platform_depth"]
+    write_record(tmp_path / "a.jsf", [record.assign({name: record[name] * np.nan for name in unknown})])
+    body = messages(tmp_path / "a.jsf")[1][3]
+    assert field(body, "H", 30) == 1 << 0 | 1 << 2 | 1 << 5 | 1 << 10 | 1 << 14
+    assert body[90:114].rstrip(b"\0") == b"place made up"
+    assert samples(body).size == 70_000
+    read = read_record(tmp_path / "a.jsf")
+    assert read.sizes["range_sample"] == 70_000
+    assert not read.intensity.any()
+    assert all(np.isnan(read[name]).all() for name in unknown)
+    metres = made_record(random_counts(8), origin_x=5e5, origin_y=6e6)
+    write_record(tmp_path / "b.jsf", [metres])
+    read = read_record(tmp_path / "b.jsf")
+    assert "crs" not in read.attrs
+    np.testing.assert_allclose((read.attrs["origin_x"], read.attrs["origin_y"]), (5e5 + 3.0, 6e6 - 7.0), atol=0.006)
+    np.testing.assert_allclose(read.platform_x, metres.platform_x - 3.0, atol=0.011)
+
+
+def test_a_ping_of_a_stream_takes_the_greatest_weight_that_fits_and_sentences_pass_through():
+    time = datetime(2024, 5, 1, 12, 0, 0, 999_600)
+    ping = LoggedPing(5, time, 7.5, 54.25, True, *[float("nan")] * 6, 50.0, 0.0667, 4e5)
+    for scale in (1e-12, 1.0, 3e4, 1e9):
+        sides = scale * np.random.default_rng(2).random((2, 50)).astype(np.float32)
+        port, starboard = (body for *_, body in split_messages(encode_ping(ping, sides, subsystem=21)))
+        weight = field(port, "h", 168)
+        assert 2**14 <= sides.max() * 2.0**weight < 2**15
+        np.testing.assert_allclose([samples(port), samples(starboard)], sides, atol=0.5 * 2.0**-weight)
+        assert field(port, "i", 0) == 1_714_564_801  # rounded to the millisecond
+        assert field(port, "H", 30) == 1 << 0 | 1 << 14
+    clipped = samples(split_messages(encode_ping(ping, np.full((2, 3), 9e9, np.float32), 0))[0][3])
+    np.testing.assert_array_equal(clipped, 32767.0)
+    ((kind, subsystem, _, body),) = split_messages(encode_nmea(time, "$SDDBT,,f,5.0,M,,F*00\r\n"))
+    assert (kind, subsystem, field(body, "i", 4), body[12:]) == (2002, 101, 0, b"$SDDBT,,f,5.0,M,,F*00\r\n")
 
 
 def course(pings: int, **fields) -> list[dict]:
@@ -156,6 +304,15 @@ def test_a_clock_of_whole_seconds_is_spread_over_its_pings_and_navigation_has_th
     np.testing.assert_allclose(record.ping_time, 0.2 * np.arange(60), atol=1e-6)
     np.testing.assert_allclose(record.platform_x, 0.3 * np.arange(60), atol=0.15)
     assert read_recording(str(path))["time"].size == 60
+
+
+def test_rounding_of_positions_does_not_lengthen_the_way(tmp_path):
+    pings, step = 400, 0.1
+    degrees = 7.5 + step * np.arange(pings) / 73_200.0, 48.8 + 0.7 * step * np.arange(pings) / 111_220.0
+    places = np.rint(60e4 * np.array(degrees)).astype(int).T
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{**PING, "x": x, "y": y} for x, y in places]))
+    way = np.hypot(np.diff(record.platform_x), np.diff(record.platform_y)).sum()
+    np.testing.assert_allclose(way, np.hypot(1.0, 0.7) * step * (pings - 1), rtol=0.02)
 
 
 @pytest.mark.parametrize("number", [0, 77])

@@ -27,6 +27,9 @@ from insonify.statistics.record_errors import compare_records
 from insonify.terrain import build_ground
 from insonify.tow.poses import make_poses
 from insonify.tracers import sweep
+from insonify.tracers.azimuth_fan import lay_planes
+from insonify.tracers.plane_counts import AS_ESTIMATED, Trust, empty_squares
+from insonify.tracers.target_planes import find_pings_met
 from random_scenes import planned_scene
 
 DEFAULT = load_scene("default")
@@ -79,11 +82,42 @@ def test_a_glint_takes_more_planes_of_its_own_pings():
     assert (bright[3:] == 1).all()  # the level bed beside it is alike across the beam
 
 
-@pytest.mark.parametrize("planes", [5, 7, 12])
-def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes):
+def test_one_plane_stands_for_no_beam_with_a_vertical_lobe_unless_it_is_measured():
+    lobe = {"kind": "fan", "tilt": 26.0, "width": 26.0}
+    beam = {"kind": "fan", "width": 1.25, "squint": -7.5}
+    changes = {
+        "sonar.beam": beam,
+        "sonar.vertical": lobe,
+        "sonar.range": 18.0,
+        "sonar.bins": 240,
+        "track.altitude": 1.0,
+    }
+    scene = edit(DEFAULT, changes | {"seabed.relief": "flat", "targets": [], "track.pings": 64})
+    simulation = prepare(scene)
+    poses = simulation.poses(np.arange(0, 64, 8))
+    found, right = simulation.trace(poses), sweep.trace(simulation.reduced, poses, planes=256)
+    missed = compare_records(simulation.arrays, poses, found, right).beyond
+    assert missed <= 1.25 * simulation.plan.error
+    assert missed <= 0.03
+
+
+def test_what_planes_estimate_is_trusted_apart_in_pings_that_meet_targets():
+    simulation = prepare(load_scene("targets"))
+    poses, trust = simulation.poses(np.arange(0, 460, 20)), Trust(1.0, 2.0)
+    both = [empty_squares(poses.x.size) for _ in range(2)]
+    for squares, own in zip(both, (AS_ESTIMATED, trust)):
+        sweep.trace(simulation.reduced, poses, planes=4, across=4, squares=squares, trust=own)
+    met = find_pings_met(simulation.reduced, poses, lay_planes(simulation.reduced, poses, 4, 4))
+    assert 0 < met.sum() < met.size
+    np.testing.assert_allclose(both[1][..., 0], both[0][..., 0] * np.where(met, 4.0, 1.0)[:, None, None])
+    np.testing.assert_array_equal(both[1][..., 1], both[0][..., 1])
+
+
+@pytest.mark.parametrize(("planes", "pair"), [(5, "4 and 16"), (7, "8 and 16"), (12, "16 and 32")])
+def test_the_error_of_any_number_of_planes_follows_from_few_and_many(planes, pair):
     packed = pack(load_scene("ripples"))
     made = choose_model(packed, 0.03, "auto", {"planes": str(planes)})
-    assert made.entry("planes").reason.startswith("4 and 16 planes differ by")
+    assert made.entry("planes").reason.startswith(f"{pair} planes differ by")
     poses = make_poses(packed.scene, packed.ground, spread_over_track(packed.scene, 16))
     some, many = (trace_model(packed, made.model._replace(planes=count), poses) for count in (planes, 256))
     missed = compare_records(packed.arrays, poses, some, many).beyond
@@ -398,7 +432,7 @@ def test_a_face_that_glints_into_few_pings_is_among_them_and_a_level_bed_has_non
 @pytest.mark.parametrize(
     ("name", "changes", "place"),
     [
-        ("default", {}, "the pipe, targets.0"),
+        ("targets", {}, "the tetrapod, targets.2"),
         ("pipe-on-bed", {"sonar.beam": {"kind": "fan", "width": 1.0}, "track.pings": 60}, ""),
         ("ripples", {"track.pings": 40}, ""),
     ],

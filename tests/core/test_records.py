@@ -22,6 +22,7 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks, simulate_record_blocks
 from level_records import level_record
 from small_sets import contents
+from xtf_files import made_record, packets, random_counts
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
@@ -52,6 +53,55 @@ def test_chunks_hold_whole_pings_of_one_channel_and_only_pings_are_without_limit
         assert file["intensity"].chunking() == [1, 500, 500]  # a megabyte
         assert file["platform_x"].chunking() == [1500]
         assert [d.name for d in file.dimensions.values() if d.isunlimited()] == ["ping_time"]
+
+
+@pytest.mark.parametrize("placed", [True, False], ids=["on a map", "in metres"])
+def test_groups_of_sonar_netcdf_hold_the_record(tmp_path, capsys, placed):
+    """What netCDF4 and xarray find in them; the geometry follows the formulas of the convention."""
+    place = {"origin_x": 560_000.0, "origin_y": 6_500_000.0} | ({"crs": "EPSG:32631"} if placed else {})
+    scene = '[sonar.pulse]\nkind = "chirp"\nduration = 1e-3\nbandwidth = 2e4\n'
+    told = {"scene": scene, "version": "0.1.0", "beam_width": 1.5, "vertical_beam_tilt": 30.0, **place}
+    record = made_record(random_counts(11), time_coverage_start="2024-02-29T12:00:00", **told)
+    path = tmp_path / "a.nc"
+    parts = record.isel(ping_time=slice(4)), record.isel(ping_time=slice(4, None))
+    write_record(path, parts, convention="sonar-netcdf4")
+    with netCDF4.Dataset(path) as file:
+        assert set(file.groups) == {"Environment", "Platform", "Provenance", "Sonar", "Vendor_specific"}
+        assert (file.sonar_convention_name, file.sonar_convention_version) == ("SONAR-netCDF4", "2.0")
+        samples = file["Sonar/Beam_group1/backscatter_r"]
+        assert samples.datatype.name == "sample_t"
+        assert file["Sonar/Beam_group1/transmit_type"].datatype.enum_dict == {"CW": 0, "LFM": 1, "HFM": 2}
+        got = np.array([[samples[ping, beam] for ping in range(7)] for beam in (0, 1)])
+        np.testing.assert_allclose(got, record.intensity, rtol=2e-7)
+        assert file["Vendor_specific"].scene == scene
+        np.testing.assert_allclose(file["Vendor_specific/platform_altitude"][:], record.platform_altitude)
+    group = {name: xr.load_dataset(path, group=name) for name in (
+        "Sonar/Beam_group1", "Platform/Position/sonar", "Platform/Attitude/sonar", "Environment",
+    )}  # fmt: skip
+    beams, position, attitude, water = group.values()
+    assert list(beams.beam) == ["port", "starboard"]
+    assert (beams.sample_count == 40).all()
+    start = np.datetime64("2024-02-29T12:00:00")
+    for times in (beams.ping_time, position.time, attitude.time):
+        np.testing.assert_array_equal((times - start) / np.timedelta64(1, "ms"), 250.0 * np.arange(7))
+    first = beams.isel(ping_time=0, beam=0, tx_beam=0)
+    delays = float(first.blanking_interval - first.sample_time_offset) + np.arange(40) * float(first.sample_interval)
+    ranges = float(water.sound_speed_indicative) * delays / 2.0
+    np.testing.assert_allclose(ranges, record.slant_range, rtol=1e-6)
+    np.testing.assert_array_equal(beams.rx_beam_rotation_phi, [[60.0, -60.0]] * 7)
+    assert (beams.transmit_type == 1).all()
+    np.testing.assert_array_equal(beams.transmit_frequency_stop - beams.transmit_frequency_start, 2e4)
+    for name in ("pitch", "roll"):
+        np.testing.assert_allclose(attitude[name], record[f"platform_{name}"], rtol=1e-6)
+    np.testing.assert_allclose(beams.tx_transducer_depth, record.platform_depth, rtol=1e-6)
+    np.testing.assert_allclose(attitude.vertical_offset, -record.platform_depth, rtol=1e-6)
+    write_record(tmp_path / "a.xtf", [record])
+    xtf = packets(tmp_path / "a.xtf")[1]
+    fixes = [(ping.SensorXcoordinate, ping.SensorYcoordinate) if placed else (np.nan, np.nan) for ping in xtf]
+    np.testing.assert_array_equal(np.transpose([position.longitude, position.latitude]), fixes)
+    np.testing.assert_allclose(position.heading, [ping.SensorHeading for ping in xtf], rtol=1e-6)
+    error = refused(capsys, "render", str(path), "-o", str(tmp_path / "a.png"))
+    assert "a.nc: is in SONAR-netCDF4, which is only written; give the record from which it was made" in error
 
 
 def test_a_tow_is_written_without_being_held(tmp_path):
@@ -170,9 +220,9 @@ def test_variables_are_given_as_a_dataset_takes_them():
     np.testing.assert_array_equal(level, np.arange(6.0).reshape(2, 3).T)
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".zarr"])
+@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".jsf", ".zarr"])
 def test_files_do_not_depend_on_what_blocks_they_are_written_from(tmp_path, suffix):
-    truth = suffix != ".xtf"
+    truth = suffix not in (".xtf", ".jsf")
     given = [simulated(scene(), truth=truth, block=4) for simulated in (simulate_record_blocks, simulate_blocks)]
     if suffix != ".nc":  # whose chunks are those of the first block
         whole = simulate(scene(), truth=truth)

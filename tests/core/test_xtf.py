@@ -355,7 +355,7 @@ def test_channels_that_ping_in_turn_are_told_apart(tmp_path):
 
 
 FOREIGN = {
-    "a.sl2": "Lowrance", "a.SL3": "Lowrance", "b.son": "Humminbird", "c.rsd": "Garmin", "d.s7k": "Teledyne Reson s7k",
+    "a.slg": "Lowrance", "b.SVLOG": "Cerulean", "d.s7k": "Teledyne Reson s7k",
     "e.all": "Kongsberg", "f.sdf": "Klein",
 }  # fmt: skip
 

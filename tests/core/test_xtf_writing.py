@@ -1,47 +1,17 @@
 """XTF written here: what this reader, pyxtf and the formulas of other readers find in it."""
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pyproj
 import pytest
 import pyxtf
-import xarray as xr
 
-from insonify.io.record_schema import coordinates, echo_variable, platform
 from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError
+from xtf_files import SPEED, made_record, packets, random_counts
 
 BITS = {"8": 8, "16": 15, "32": 31}
-SPEED = 1480.0
-
-
-def made_record(amplitude: np.ndarray, **attributes) -> xr.Dataset:
-    """Record of amplitudes (pings, 2, bins) along a bend, 0.05 m bins, 4 pings a second."""
-    pings, _, bins = amplitude.shape
-    time = np.arange(pings) / 4.0
-    columns = (
-        3.0 + 2.0 * time, -7.0 + 0.5 * time**2, 20.0 + np.sin(time), 9.0 - 0.1 * time,
-        30.0 * time - 170.0, 2.0 * np.cos(time), 5.0 * np.sin(time),
-    )  # fmt: skip
-    variables = echo_variable((amplitude.astype(np.float64) ** 2).astype(np.float32)) | platform(columns)
-    slant_range = (np.arange(bins) + 0.5) * 0.05
-    named = {"title": "bend", "frequency": 400e3, **attributes}
-    return xr.Dataset(variables, coordinates(time, slant_range, SPEED), named)
-
-
-def random_counts(bits: int, pings: int = 7, bins: int = 40) -> np.ndarray:
-    # A float32 amplitude holds 24 bits, its square is stored as float32: 11 bits survive that exactly.
-    counts = np.random.default_rng(4).integers(0, 2**bits, (pings, 2, bins)).astype(np.float64)
-    counts[0, 0, 0] = 2**bits - 1
-    return counts
-
-
-def packets(path: Path) -> tuple[pyxtf.XTFFileHeader, list[pyxtf.XTFPingHeader]]:
-    header, found = pyxtf.xtf_read(str(path))
-    assert list(found) == [pyxtf.XTFHeaderType.sonar]
-    return header, found[pyxtf.XTFHeaderType.sonar]
 
 
 def sides(pings: list[pyxtf.XTFPingHeader]) -> np.ndarray:
@@ -167,6 +137,8 @@ def test_a_real_recording_is_copied_without_loss(real_recording, tmp_path):
     (_, before), (_, after) = packets(real_recording), packets(tmp_path / "a.xtf")
     for one, other in zip(before, after, strict=True):
         np.testing.assert_array_equal(one.data, other.data)
+    write_record(tmp_path / "a.jsf", [record])
+    np.testing.assert_array_equal(read_record(tmp_path / "a.jsf").intensity, record.intensity)
     # The first ping has no fix. The second repeats its place in the copy, and repeated fixes are interpolated.
     record, read = (each.isel(ping_time=slice(2, None)) for each in (record, read_record(tmp_path / "a.xtf")))
     assert read.attrs["time_coverage_start"] == "2013-09-10T21:13:08"

@@ -19,6 +19,7 @@ from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Inspection
 from insonify_viewer.state.session import ContactList, Session
+from insonify_viewer.state.tow_clock import TowClock
 from insonify_viewer.work.jobs import JobList
 from insonify_viewer.work.simulator import Simulator
 
@@ -81,6 +82,7 @@ class Workbench:
     drape: Callable[[RecordStrip | None], None]
     open_panel: Callable[[str], None]  # opens the panel of a name
     inspection: Inspection  # the pinned pixel, the picked place, and what is drawn of both
+    tow: TowClock  # counts the pings, and is steered
     jobs: JobList  # runs commands in processes of their own
     recordings: RecordingPlayer  # opens a recording and plays it beside the simulated record
     comparison: Comparison  # record A beside the live record

@@ -7,6 +7,7 @@ import numpy as np
 
 from insonify.arrays import Floats
 from insonify.kernels.common.types import Mesh, Poses, Solids
+from insonify.live.helm import Helm
 from insonify_viewer.core_types import Ground, Simulation
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -20,6 +21,7 @@ class TowClock:
     def __init__(self, newest: int) -> None:
         self.running = True
         self.speed = 1.0
+        self.helm: Helm | None = None  # what steers; None on the track of the scene
         self._position = float(newest)
         self._back = 0
 
@@ -39,6 +41,8 @@ class TowClock:
             return False
         before = self.newest
         self._position += seconds * ping_rate * self.speed
+        if self.helm is not None:
+            self.helm.advance(self.newest)
         return self.newest > before
 
     def run(self, running: bool) -> None:

@@ -18,6 +18,7 @@ from insonify.io.formats import FormatRegistry
 from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION, RecordedNavigation
 from insonify.io.records import RECORDS
+from insonify.io.sealed import SUFFIX
 from insonify.io.sound_speed_casts import CASTS, Cast
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, edit, load_scene
 from insonify_viewer.core_types import Ground
@@ -32,7 +33,7 @@ from insonify_viewer.window.saving import Saving
 from insonify_viewer.work.simulator import Simulator
 
 SCENE = ".toml"
-TAKES = "a scene (.toml), a recording, contacts, a grid of heights, a mesh, a measured cast or navigation"
+TAKES = "a scene (.toml), an exercise, a recording, contacts, a grid of heights, a mesh, a measured cast or navigation"
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 SHARE = 0.3  # slant range over the grid's shorter side
 GRAZING = 0.15  # clearance over slant range
@@ -43,6 +44,7 @@ class FileOpening:
     """Asks for files, and opens a file by its suffix."""
 
     mesh_opened = Signal(str)  # path of a mesh that becomes a target
+    exercise_opened = Signal(str)  # path of an exercise
 
     def __init__(
         self,
@@ -78,6 +80,8 @@ class FileOpening:
         suffix = Path(path).suffix.lower()
         if suffix == SCENE:
             self.open_scene(path)
+        elif suffix == SUFFIX:
+            self.exercise_opened.emit(path)
         elif is_recording(path):
             self.open_recording(path)
         elif suffix in BATHYMETRY.readable():
@@ -105,8 +109,11 @@ class FileOpening:
     def ask_for_scene(self) -> None:
         """Let the person pick a scene, after the question about unsaved changes."""
         if self._saving.may_leave():
-            path, _ = QFileDialog.getOpenFileName(self._window, "Open a scene", self._folder, "Scenes (*.toml)")
-            if path:
+            kinds = f"Scenes (*{SCENE});;Exercises (*{SUFFIX})"
+            path, _ = QFileDialog.getOpenFileName(self._window, "Open a scene", self._folder, kinds)
+            if path.lower().endswith(SUFFIX):
+                self.exercise_opened.emit(path)
+            elif path:
                 self._load(path)
 
     def open_recent(self, path: str) -> None:

@@ -127,7 +127,7 @@ class BackgroundJob(ABC):
 class CommandJob(BackgroundJob):
     """A command of ``insonify``, run as from a shell; the results are the same to the bit."""
 
-    def __init__(self, title: str, arguments: Sequence[str], result: Path, call_later: CallLater) -> None:
+    def __init__(self, title: str, arguments: Sequence[str], result: Path | None, call_later: CallLater) -> None:
         super().__init__(title, result, call_later)
         self.arguments = tuple(arguments)
         self._process: subprocess.Popen[str] | None = None
@@ -279,7 +279,7 @@ class JobList:
         """Jobs that have not ended, the newest last."""
         return tuple(job for job in self.jobs if job.running)
 
-    def begin(self, title: str, arguments: Sequence[str], result: Path) -> CommandJob:
+    def begin(self, title: str, arguments: Sequence[str], result: Path | None) -> CommandJob:
         """Start a command; arguments as of `CommandJob`."""
         return self._begin(CommandJob(title, arguments, result, self._call_later))
 

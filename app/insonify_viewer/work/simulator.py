@@ -59,6 +59,7 @@ class Simulator:
         self.cost = 1e-4  # s, of a coarse ping
         self._coarse = -1  # number of the last coarse answer that was sent to the main thread
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
+        self._traced_as: Callable[[Simulation], Simulation] | None = None
 
     @property
     def activity(self) -> Waiting:
@@ -76,6 +77,12 @@ class Simulator:
     def show_first(self, scene: Scene, receive: Callable[[Any], None]) -> None:
         """Make pictures ready to be drawn; answer with the record that comes with the package if it is the scene's."""
         self.send(lambda: self._example(scene), receive)
+
+    def trace_as(self, change: Callable[[Simulation], Simulation] | None) -> None:
+        """Change every simulation that is prepared from now on, or none: another track, or more in the water."""
+        if change is not self._traced_as:
+            self._traced_as = change
+            self._last.clear()
 
     def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
         """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
@@ -237,6 +244,7 @@ class Simulator:
                 # A preview has one plane for all of its beam: those across targets take longer than all others.
                 forced = dict(modelling.forced) | ({} if fine else {"target_planes": "0"})
                 simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=forced, **kept)
+                simulation = simulation if self._traced_as is None else self._traced_as(simulation)
                 last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
 

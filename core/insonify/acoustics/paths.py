@@ -53,9 +53,9 @@ def ray_paths(
         Dimensions ``ray`` and ``point``, NaN beyond a ray's last point. A ray that meets the bed, or a sea surface
         that is not declared to reflect it, ends there, in a point of its own. Variables: ``range`` and ``depth`` in
         metres, ``time`` in seconds, ``tube`` (distance across the ray per launch angle, m/rad; it changes its sign at
-        a caustic), ``hit`` (whether this is where the ray meets the bed), ``grazing`` (direction, degrees below the
-        horizontal), ``capped`` (whether the tube is unsure: the ray met a kink of the profile at grazing), and by ray
-        ``end``, one of "range", "bottom", "surface", "nowhere" (it gets no farther in range) and "trapped".
+        a caustic), ``hit`` (whether this is where the ray meets the bed) and ``grazing`` (direction, degrees below the
+        horizontal). ``capped`` tells that the tube is unsure: the ray met a kink of the profile at grazing. By ray,
+        ``end`` is one of "range", "bottom", "surface", "nowhere" (it gets no farther in range) and "trapped".
 
     Raises
     ------

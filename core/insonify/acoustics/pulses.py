@@ -63,7 +63,7 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
 
 
 def spread_curve(curve: Floats, taps: Taps) -> Floats:
-    """Mean energies of bins, (bins,), spread by a pulse; beyond the last bin they are those of the last."""
+    """Mean energies of bins, (bins,), spread by a pulse; beyond the last bin they stay as in the last."""
     beyond = np.pad(curve, (0, taps.before), "edge")
     return np.convolve(beyond, taps.weights)[taps.before :][: curve.size]
 

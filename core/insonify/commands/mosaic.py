@@ -13,8 +13,8 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "mosaic",
         description="Correct records from slant range to ground range, lay them on the map by position and heading, "
-        "and write one GeoTIFF: decibels relative to the median of each record at its range, with NaN where nothing "
-        "was insonified; or its picture as KMZ, for Google Earth.",
+        "and write one GeoTIFF or, for Google Earth, its picture as KMZ. Values are decibels relative to the median of "
+        "each record at its range, and NaN where nothing was insonified.",
         epilog="example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest",
     )
     parser.add_argument(

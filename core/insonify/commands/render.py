@@ -21,8 +21,8 @@ def register(subparsers: Any) -> None:
     written = RECORDS.describe(RECORDS.writable())
     parser = subparsers.add_parser(
         "render",
-        description="Simulate the record of a scene and write it in the format of its suffix. NetCDF, Zarr and XTF are "
-        "written block by block, so memory does not grow with the number of pings. A record may stand in place "
+        description="Simulate the record of a scene and write it in the format of its suffix. NetCDF, Zarr, XTF and "
+        "JSF are written block by block, so memory does not grow with the number of pings. A record may stand in place "
         f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
         epilog="examples: insonify render wreck -o wreck.xtf --bits 8; "
         "insonify render targets -o labelled.nc --truth; "

@@ -33,7 +33,7 @@ class Build(NamedTuple):
         return ", ".join(f"{name} {there} instead of {here}" for name, there, here in pairs if there != here)
 
     def text(self) -> str:
-        """Return all of it on one line, as records contain it."""
+        """Return the whole description on one line, as records contain it."""
         return "; ".join(f"{name} {value}" for name, value in self._asdict().items())
 
 

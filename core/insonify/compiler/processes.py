@@ -1,8 +1,8 @@
 """A child process that compiles kernels, which this process then loads from disk.
 
-A window lets it compile all kernels (`compiled_elsewhere`): what Numba and LLVM make of a kernel, a hundred megabytes
-of a few, stays in memory until their process ends, and they block other threads of Python for long. If the process
-cannot be started or ends early, kernels are compiled here.
+A window lets it compile all kernels (`compiled_elsewhere`). Numba and LLVM keep a hundred megabytes for a few kernels
+until their process ends, and they block other threads of Python for long. If the process cannot be started or ends
+early, kernels are compiled here.
 """
 
 import contextlib

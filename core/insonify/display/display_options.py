@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -56,17 +56,20 @@ class DisplayOptions(NamedTuple):
 
 def read_display(settings: Sequence[str]) -> dict[str, Any]:
     """Read options from texts of the form ``name=value``, with values as in TOML."""
+    return check_display(dict(read_setting(setting, "--display") for setting in settings), "--display ")
+
+
+def check_display(given: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return options with values of their types; raise SceneError for unknown names and values."""
     options = {}
-    for setting in settings:
-        name, value = read_setting(setting, "--display")
+    for name, value in given.items():
         if name not in DisplayOptions._fields:
-            raise SceneError(
-                f"--display {name}: is not a known option; choose one of {', '.join(DisplayOptions._fields)}"
-            )
+            known = ", ".join(DisplayOptions._fields)
+            raise SceneError(f"{prefix}{name}: is not a known option; choose one of {known}")
         usual: Any = (0.0, 0.0) if name == "levels" else DisplayOptions._field_defaults[name]
         if not _fits(value, usual) or (name in CHOICES and value not in CHOICES[name]):
             known = " or ".join(CHOICES[name]) if name in CHOICES else EXAMPLES[type(usual)]
-            raise SceneError(f"--display {name}={value!r} is not a valid value; write for example {known}")
+            raise SceneError(f"{prefix}{name}={value!r} is not a valid value; write for example {known}")
         options[name] = tuple(map(float, value)) if isinstance(usual, tuple) else type(usual)(value)
     return options
 
@@ -80,7 +83,7 @@ def display_settings(look: DisplayOptions) -> list[str]:
 def _fits(value: Any, usual: Any) -> bool:
     """Whether a value has the type of the default; a whole number counts as a number of any type."""
     if isinstance(usual, tuple):
-        return isinstance(value, list) and len(value) == len(usual) and all(_fits(one, 0.0) for one in value)
+        return isinstance(value, (list, tuple)) and len(value) == len(usual) and all(_fits(one, 0.0) for one in value)
     if isinstance(usual, bool) or not isinstance(usual, float):
         return type(value) is type(usual)
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)

@@ -5,16 +5,16 @@ import zlib
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from insonify.arrays import Dataset
-from insonify.display.display_options import DisplayOptions
+from insonify.display.display_options import DisplayOptions, check_display
 from insonify.display.picture import choose_contrast, map_tones, shown_palette, span_decibels
 from insonify.display.range_axis import NAMES, choose_kind
-from insonify.display.sheet import RecordSheet
+from insonify.display.sheet import RecordSheet, gather_record_sheet
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
 
@@ -46,15 +46,28 @@ class Frame(NamedTuple):
     height: int
 
 
+def draw_record(record: Dataset, **options: Any) -> Image.Image:
+    """Draw a record as the command ``render`` does, by `DisplayOptions`."""
+    look = DisplayOptions(**check_display(options))
+    sheet = gather_record_sheet(record, look)
+    return draw_page(sheet, look, caption_record(record, sheet.along, look))
+
+
 def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
     """Write a sheet with scales, colour bar and caption as PNG, one pixel per amplitude."""
+    with replacing(path) as beside:
+        draw_page(sheet, look, caption).save(beside, format="PNG", dpi=(DPI, DPI), compress_type=COMPRESSION)
+
+
+def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Image.Image:
+    """Draw a sheet with scales, colour bar and caption, one pixel per amplitude."""
     # By Pillow: Matplotlib takes longer to import and to draw the same than all before.
     height, width = sheet.amplitude.shape
     page = Image.new("RGB", (LEFT + width + RIGHT, TOP + height + BOTTOM), "white")
     levels = look.levels or choose_contrast(sheet.amplitude, decibels=look.decibels)
-    picture, bar = Frame(LEFT, TOP, width, height), Frame(LEFT + width + 84, TOP, 18, height)
     tones = Image.fromarray(map_tones(sheet.amplitude, levels, look.gain, decibels=look.decibels))
     tones.putpalette(shown_palette(look).tobytes())
+    picture, bar = Frame(LEFT, TOP, width, height), Frame(LEFT + width + 84, TOP, 18, height)
     page.paste(tones, (LEFT, TOP))
     _scales(page, picture, sheet, look)
     places = np.linspace(255.49, -0.49, height).round().astype(np.int64)
@@ -66,8 +79,7 @@ def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, capti
         corners = (frame.left - 1, frame.top - 1, frame.left + frame.width, frame.top + frame.height)
         ImageDraw.Draw(page).rectangle(corners, outline=FAINT)
     _headings(page, width, look, caption)
-    with replacing(path) as beside:
-        page.save(beside, format="PNG", dpi=(DPI, DPI), compress_type=COMPRESSION)
+    return page
 
 
 def _scales(page: Image.Image, frame: Frame, sheet: RecordSheet, look: DisplayOptions) -> None:

@@ -110,7 +110,7 @@ def _pings_a_row(pings: int) -> int:
 
 
 def find_median_curve(record: Dataset, altitude: Floats | None = None) -> MedianCurve:
-    """Estimate the median curve of a record; its altitude is that of `find_altitude` if not given."""
+    """Estimate the median curve of a record; its altitude is found by `find_altitude` if not given."""
     known = find_altitude(record) if altitude is None else altitude
     return estimate_median_curve(record.variables["intensity"], np.nan_to_num(known), _bin_length(record))
 

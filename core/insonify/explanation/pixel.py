@@ -221,7 +221,7 @@ class PixelExplanation:
         return decibels(self.value)
 
     def describe_brightness(self, amplitude: float | None) -> str:
-        """Sentence on why a pixel is bright or dark, given its amplitude over that of a level bed, if known."""
+        """Sentence on why a pixel is bright or dark, given its amplitude relative to a level bed, if known."""
         level = 20.0 * math.log10(amplitude) if amplitude else -math.inf
         tone = next(word for least, word in TONES if level >= least)
         hiders, echoes = self.obstructions, self.contributions

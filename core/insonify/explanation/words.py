@@ -26,6 +26,6 @@ def name_part(part: object, index: int) -> str:
 
 
 def name_materials(scene: Scene, ground: AnyGround) -> tuple[str, ...]:
-    """Names of the materials by their rows: those of the bed, then those of the targets."""
+    """Names of the materials by their rows: first of the bed, then of the targets."""
     names = (*ground.names, *(target.material.name for target in scene.targets))
     return tuple(name.replace("_", " ") for name in names)

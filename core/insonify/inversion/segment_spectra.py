@@ -26,7 +26,7 @@ EFFICIENCY = 0.48 * 0.5
 
 
 class LevelCurve(NamedTuple):
-    """Level of a record, in dB: that of its range plus that of its grazing angle, on top of Lambert's sin² θ."""
+    """Level of a record, in dB: a function of range plus a function of grazing angle, on top of Lambert's sin² θ."""
 
     by_range: Floats  # (bins,) gain, spreading, absorption and material
     # (n,) vertical beam and the bed's own law of scattering, by the grazing angle in degrees; zero throughout for

@@ -104,7 +104,7 @@ def kernel() -> str:
 
 
 def _now(folder: Path) -> float:
-    """Return the time, in seconds, by the clock that dates the files of a folder: that of a server may differ."""
+    """Return the time, in seconds, by the clock that dates the files of a folder: the clock of a server may differ."""
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             return os.fstat(file.fileno()).st_mtime
@@ -176,7 +176,7 @@ def unfinished_folder(final: Path) -> Iterator[Path]:
 
 @contextmanager
 def _full_disk_named(folder: Path) -> Iterator[None]:
-    """Turn an error of a library that does not name its cause into that of a full disk, if the disk is full."""
+    """Turn an error of a library that does not name its cause into the error of a full disk, if the disk is full."""
     try:
         yield
     except SceneError:

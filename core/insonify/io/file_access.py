@@ -92,6 +92,15 @@ def read_named(what: str, name: str, path: Path, *, form: str, bundled: Collecti
         return read_text(path, largest=largest)
 
 
+@contextmanager
+def disk_errors() -> Iterator[None]:
+    """Raise an OSError where netCDF raises a RuntimeError because the disk is full or gone."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise OSError(errno.EIO, f"could not be written ({error})") from error
+
+
 def one_at_a_time() -> threading.RLock:
     """Return the lock for HDF5 and for the filter of warnings, neither of which allows two threads at once."""
     return _lock

@@ -65,7 +65,8 @@ class FormatRegistry(Generic[Content]):
         if self._formats is None:
             holders = extensions(self.package, self.group)
             found = [each for holder in holders for each in (holder, *getattr(holder, "__dict__", {}).values())]
-            self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
+            unique = dict.fromkeys(each for each in found if type(each) is FileFormat)
+            self._formats = sorted(unique, key=lambda each: not each.labelled)  # first those that keep everything
         return self._formats
 
     def readable(self) -> tuple[str, ...]:

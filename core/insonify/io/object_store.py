@@ -1,4 +1,4 @@
-"""Folders in an object store such as S3, by ``fsspec``: paths that look like those of a disk.
+"""Folders in an object store such as S3, by ``fsspec``: paths that look like paths on a disk.
 
 An object appears whole when its upload ends, so nothing is written beside it and renamed.
 """
@@ -33,7 +33,7 @@ def folder_at(text: str) -> Path:
 
 
 def in_store(path: Path) -> bool:
-    """Whether a path is that of an object, not of a file on a disk."""
+    """Whether a path names an object of a store, not a file on a disk."""
     return not isinstance(path, Path) or SIGN in str(path)
 
 

@@ -38,7 +38,11 @@ class RecordBlock:
 
     def to_dataset(self) -> Dataset:
         """Return the pings as a Dataset, which shares the arrays."""
-        import xarray as xr  # takes longer to import than a preview takes to trace
+        # lazy: xarray takes longer to import than a preview takes to trace
+        import xarray as xr
+
+        # lazy: it imports xarray
+        from insonify.io import record_plot  # noqa: F401
 
         # With `fastpath` xarray does not check whether arrays are in memory, for which it imports dask.array where Dask
         # is installed. Times have to be converted.

@@ -90,11 +90,6 @@ def _recorded_width(scene: Scene) -> float:
     return _beam_width(scene) / math.sqrt(2.0)  # a Gaussian times itself
 
 
-def _near_field(scene: Scene) -> float:
-    beam = scene.sonar.beam
-    return beam.length**2 / _wavelength(scene) if isinstance(beam, LineArray) else 0.0
-
-
 def _along_resolution(scene: Scene, slant_range: float) -> float:
     beam = scene.sonar.beam
     length = beam.length if isinstance(beam, LineArray) else 0.0
@@ -274,7 +269,8 @@ QUANTITIES: dict[str, Quantity] = {
         (), "width of the beam to −3 dB as a record has it, two-way where the beam sends and receives (°)",
         _recorded_width,
     ),
-    "near_field": Quantity((), "slant range L²/λ within which an array is in its near field (m)", _near_field),
+    "near_field": Quantity((), "slant range L²/λ within which an array is in its near field (m)",
+                           lambda scene: getattr(scene.sonar.beam, "length", 0.0) ** 2 / _wavelength(scene)),
     "along_resolution": Quantity(_AT, "width of the recorded beam along the track (m)", _along_resolution),
     "across_resolution": Quantity((), "slant range between two echoes that the pulse resolves (m)",
                                   lambda scene: scene.sonar.pulse.cell(_speed(scene))),
@@ -283,7 +279,7 @@ QUANTITIES: dict[str, Quantity] = {
     "wave_height": Quantity((), "rms height of the waves of the sea surface (m)",
                             lambda scene: scene.water.surface.rms_height),
     "tracked_altitude": Quantity(
-        (), "median altitude that the record shows by itself, in the speed that the recorder counts with (m)",
+        (), "median altitude by bottom tracking, in the sound speed that the recorder counts with (m)",
         lambda scene: scene.altitude * _speed(scene) / _sonar_speed(scene),
         lambda *read: float(np.median(_track(*read))),
     ),
@@ -331,6 +327,8 @@ QUANTITIES: dict[str, Quantity] = {
                              measure=_between(_along_period)),
     "loud_pings": Quantity(_STRETCH, "pings with a strong echo between two slant ranges, on the louder side",
                            measure=_between(lambda within: float(np.count_nonzero(_loud(within))))),
+    "loudest_ping": Quantity(_STRETCH, "number of the ping with the strongest echo between two slant ranges",
+                             measure=_between(lambda within: float(within.max(axis=(0, 2)).argmax()))),
     "slant": Quantity(_STRETCH, "share by which slanted waves of one side exceed those of the other, 0 to 1",
                       measure=_between(_slant)),
     "echoes": Quantity(_STRETCH, "strong echoes apart along the track between two slant ranges, on the louder side",

@@ -91,8 +91,8 @@ class Verdict:
         start = {
             Grade.RIGHT: f"Right: {self.right}.",
             Grade.CLOSE: f"Close: it is {self.right}.",
-            Grade.WRONG: f"Not quite: it is {self.right}.",
-            Grade.UNKNOWN: f"It is {self.right}.",
+            Grade.WRONG: f"Not quite. Answer: {self.right}.",
+            Grade.UNKNOWN: f"Answer: {self.right}.",
         }[self.grade]
         return f"{start} {self.because}".strip()
 

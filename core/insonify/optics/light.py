@@ -2,8 +2,8 @@
 
 The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they continue
 through mirrors and clear bodies. At each hit a ray to the lamp decides whether the hit lies in a shadow. A surface
-returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Phong) with its own k_d, k_s and n, and a share
-of ambient light, so that no shadow is black.
+returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Phong) with its own k_d, k_s and n. A share of
+ambient light keeps shadows from being black.
 """
 
 import warnings
@@ -156,7 +156,7 @@ def find_optical_hits(arrays: SceneArrays, starts: Floats, ways: Floats, reach: 
 
 
 def _followed(arrays: SceneArrays, starts: Floats, ways: Floats, ray: Integers, of_bed: int) -> OpticalHits:
-    """Follow rays, each of which hits something, through their bounces."""
+    """Follow rays that hit something through their bounces."""
     paths = follow(arrays, starts, ways, arrays.bounces, reach=LONG)
     before = _before(paths)
     whence = np.where(paths.bounce[:, None] == 0, starts[paths.ray], paths.position[before])

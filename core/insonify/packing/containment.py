@@ -21,7 +21,7 @@ def refuse_sonar_in_target(arrays: SceneArrays, poses: Poses) -> None:
 
 
 def _enclosing_targets(arrays: SceneArrays, poses: Poses) -> Iterator[int]:
-    """Targets with a mesh or a solid from inside of which a ping is sent."""
+    """Targets with a mesh or a solid that contains the sonar at some ping."""
     mesh, solids = arrays.mesh, arrays.solids
     if mesh.target.size > 0:
         places = np.column_stack([poses.x, poses.y, poses.z])

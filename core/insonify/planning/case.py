@@ -16,6 +16,7 @@ from insonify.packing.packed_scene import SURFACE_ECHO, Model, PackedScene
 from insonify.planning.probe import SECONDS_OF_WORK, Probe, add_loud_pings, work_of
 from insonify.planning.probe_pings import choose_probe_pings
 from insonify.scene import Scene, SceneError, edit
+from insonify.scene.sonar.vertical_beams import UniformVerticalBeam
 from insonify.scene.targets.shape import Outline
 from insonify.scene.water.surfaces import WAYS
 from insonify.tracers.base import AUTO, find_tracer, list_methods
@@ -151,8 +152,12 @@ class Case:
 
     @property
     def is_level(self) -> bool:
-        """Whether the bed is alike all along the beam, so that one plane stands for it: level and of one material."""
-        return self.scene.seabed.relief.level and not self.packed.arrays.bed.mapped
+        """Whether the planes of a beam are alike, so that one stands for all: a level bed of one material, and no lobe.
+
+        A vertical beam ends at another range in each plane.
+        """
+        level, uniform = self.scene.seabed.relief.level, isinstance(self.scene.sonar.vertical, UniformVerticalBeam)
+        return level and uniform and not self.packed.arrays.bed.mapped
 
     @property
     def bare(self) -> Model:

@@ -1,8 +1,8 @@
 """Table of what a plan may leave out or trace more coarsely: one row an effect.
 
-A row says where the effect applies and between which settings a plan may choose, what a setting errs by (a closed bound
-or a difference measured on a few pings), the share of the tolerance that it may take, and how a plan speaks of it.
-Errors of unlike kinds add up by squares, and the shares are fixed, so that more tolerance never means more work.
+A row gives where the effect applies, the settings between which a plan may choose, and the words of a plan. It gives
+the error of a setting (a closed bound or a difference measured on a few pings) and its share of the tolerance. Errors
+of unlike kinds add up by squares, and the shares are fixed, so that more tolerance never means more work.
 """
 
 import math
@@ -14,7 +14,7 @@ from insonify.kernels.sweep.plane_errors import LEAST_PLANES
 from insonify.packing.packed_scene import SURFACE_ECHO, Model
 from insonify.planning.case import FEWEST_RAYS, NEGLIGIBLE, Case
 from insonify.planning.plan_entries import PlanEntry, counted, percent
-from insonify.planning.probe import FEW_PLANES, MANY_PLANES, PlaneLaw
+from insonify.planning.probe import ENOUGH_PINGS, PAIRS, UP_TO, PlaneLaw
 from insonify.scene import SceneError
 from insonify.scene.water.surfaces import WAYS
 from insonify.tracers.base import AUTO, find_tracer, list_methods
@@ -127,14 +127,19 @@ def _say_method(case: Case, model: Model, error: float) -> Said:
 # Planes across the beam, and across targets
 
 
-def plane_law(case: Case, across: int) -> PlaneLaw:
-    """Errors by the number of planes, beside the finest of the effects."""
-    return case.probe.law(*_planes_probed(case, across))
+def plane_law(case: Case, across: int, planes: int) -> PlaneLaw:
+    """Errors by the number of planes, about that number, beside the finest of the effects."""
+    pair, *finer = (_planes_probed(case, across, pair) for pair in PAIRS)
+    for few, many in finer if case.probe.size >= ENOUGH_PINGS else ():
+        if planes > UP_TO * pair[0].planes and case.probe.affords(many):
+            pair = few, many
+    return case.probe.law(*pair)
 
 
-def _planes_probed(case: Case, across: int) -> tuple[Model, Model]:
+def _planes_probed(case: Case, across: int, counts: tuple[int, int] = PAIRS[0]) -> tuple[Model, Model]:
     some = case.whole._replace(ways=case.measured_paths, across=across)
-    return some._replace(planes=FEW_PLANES), some._replace(planes=MANY_PLANES)
+    few, many = counts
+    return some._replace(planes=few), some._replace(planes=many)
 
 
 def _planes(case: Case, model: Model, wish: Any) -> tuple[int, ...]:
@@ -158,7 +163,7 @@ def planes_error(case: Case, model: Model) -> float:
         if model.planes == 1:  # over a level bed of several materials, which pings do not measure themselves
             many = _planes_probed(case, model.across)[1]
             return case.probe.difference(many._replace(planes=1), many, nearer=1.0)
-    return plane_law(case, model.across).of(model.planes)
+    return plane_law(case, model.across, model.planes).of(model.planes)
 
 
 def _say_planes(case: Case, model: Model, error: float) -> Said | None:
@@ -170,9 +175,10 @@ def _say_planes(case: Case, model: Model, error: float) -> Said | None:
     if error == 0.0:
         reason = "a level bed of one material is alike across the beam; a ping that meets a target has several"
     elif model.planes == 1 and not forced:
-        reason = f"on a level bed, 1 and {MANY_PLANES} planes differ by {percent(error)} on {case.pings}"
+        reason = f"on a level bed, 1 and {PAIRS[0][1]} planes differ by {percent(error)} on {case.pings}"
     else:
-        reason = f"{FEW_PLANES} and {MANY_PLANES} planes differ by {percent(plane_law(case, model.across).error)} on "
+        law = plane_law(case, model.across, model.planes)
+        reason = f"{law.few} and {law.many} planes differ by {percent(law.error)} on "
         reason += f"{case.pings}; estimated error with {model.planes}: {percent(error)}"
         if not forced:
             reason += "; a ping of a greater error than the tolerance has more"
@@ -327,7 +333,7 @@ def _segments(case: Case, model: Model, wish: Any) -> tuple[float, ...]:
 
 
 def _segments_error(case: Case, model: Model) -> float:
-    """Error against the finest division; that of other divisions falls in proportion to the share misplaced."""
+    """Error against the finest division; the error of other divisions falls in proportion to the share misplaced."""
     finest = case.bare._replace(misplaced=DIVISIONS[-1])
     if model.misplaced == math.inf:
         return case.probe.difference(case.bare, finest, nearer=NEARER)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from insonify.cards import make_card, quote_text
 from insonify.packing.packed_scene import Model
 from insonify.tracers.base import find_tracer
 from insonify.tracers.plane_counts import Goal
@@ -54,7 +55,7 @@ class Plan:
 
     @property
     def label_settings(self) -> dict[str, Any]:
-        """Planes and rays by which bins are labelled, which is done by the sweep whatever the tracer."""
+        """Planes and rays by which bins are labelled, which the sweep does for every tracer."""
         return {name: number for name, number in self.settings.items() if name in ("planes", "across", "rays")}
 
     @property
@@ -82,6 +83,11 @@ class Plan:
             for entry in self.entries
             if entry.modelled is modelled
         ]
+
+    def _repr_html_(self) -> str:
+        """Describe the plan in a notebook."""
+        facts = [("method", self.method), ("estimated error", percent(self.error))]
+        return make_card("Plan", facts, quote_text("\n".join(self.lines())))
 
 
 def percent(error: float) -> str:

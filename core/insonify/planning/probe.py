@@ -20,9 +20,11 @@ from insonify.parallel import count_threads, in_parallel
 from insonify.planning.probe_pings import ProbePings, spread_over_track
 from insonify.scene import SceneError
 from insonify.tow.poses import find_pings_in_bed, make_poses, refuse_sonar_in_bed, take_poses
+from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.base import find_tracer, prepare_tracer
-from insonify.tracers.plane_counts import empty_squares, errors_over_bed
+from insonify.tracers.plane_counts import Trust, empty_squares, errors_over_bed
 from insonify.tracers.sweep import Sweep, trace_measured
+from insonify.tracers.target_planes import find_pings_met
 
 MEASURED, FEWEST, SHARE_OF_TRACK = 16, 4, 16  # pings measured: one in sixteen of the track, within bounds
 MOST = 1e8  # work of half a second, up to which finer and finer models are traced to judge coarser ones
@@ -30,10 +32,14 @@ WORK_OF_A_THREAD = 2e5  # of the pings of a call, beside which what the call its
 SECONDS_OF_WORK = 7e-9  # where nothing was timed
 SEARCHED, FOUND = 48, 2  # pings over the track that are searched, and the most of them that are added
 MOST_TREND = 0.5  # of a bias that falls with the first power
-FEW_PLANES, MANY_PLANES = 4, 16  # by which errors of planes are measured
+# Pairs of few planes and many, by which errors of planes are measured, and times the few that a pair still holds for:
+# what planes estimate is trusted as far as planes about as many are found to err.
+PAIRS, UP_TO = ((4, 16), (8, 16), (16, 32), (32, 64), (64, 128)), 1.25
+ENOUGH_PINGS = 8  # half of which tell how far what more planes estimate is trusted
 LEAST_POWER, MOST_POWER = 0.5, 2.0  # of planes at random, and of a smooth bed
 TRUST_MARGIN = 1.25  # of errors over what planes estimate, for pings unlike those measured
-LEAST_TRUST = 0.5
+TRUSTED = 0.75  # share of the pings measured of which errors are no greater than that trust has them
+LEAST_ESTIMATE = 1e-4  # of an error, from which on a ping tells what planes estimate
 USUAL = 0.75  # share of the pings that are within the tolerance by the planes that all of them begin with
 LOUD = 3.0  # times the mean energy of those searched
 _LOADED: set[tuple[str, bool, bool]] = set()  # kernels of waves that this process has called: method, bent, paths
@@ -66,22 +72,20 @@ def work_of(packed: PackedScene, model: Model) -> float:
 class PlaneLaw(NamedTuple):
     """Error of pings by the number of planes across the beam."""
 
-    error: float  # of `FEW_PLANES`
+    few: int  # planes by which it is measured
+    many: int  # and by the difference to which
+    error: float  # of the few
     power: float  # of the number of planes with which it falls
-    trust: float  # errors over what planes estimate, by a margin
-    estimated: tuple[float, ...]  # of pings over the track by `FEW_PLANES`, by their planes
+    trust: Trust  # by a margin
+    estimated: tuple[float, ...]  # errors of pings over the track by the few, as their planes are trusted
 
     def of(self, planes: int) -> float:
         """Error of a number of planes."""
-        return self.error * (FEW_PLANES / planes) ** self.power
+        return self.error * (self.few / planes) ** self.power
 
     def usual(self, planes: int) -> float:
         """Estimated error of a number of planes within which most measured pings are."""
-        return self.trust * float(np.quantile(self.estimated, USUAL)) * (FEW_PLANES / planes) ** self.power
-
-    def enough(self, counts: Sequence[int], tolerance: float) -> int:
-        """Return the fewest planes with which most measured pings are within a tolerance; the most if none are."""
-        return next((count for count in counts if self.usual(count) <= tolerance), counts[-1])
+        return float(np.quantile(self.estimated, USUAL)) * (self.few / planes) ** self.power
 
 
 class Probe:
@@ -104,9 +108,10 @@ class Probe:
         self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         # Pings, in an order in which few are spread like all, from the first return, over the flat-bed curve.
         self._traced: dict[tuple[Model, tuple[int, ...]], Singles] = {}
-        self._squares: dict[Model, Floats] = {}
+        self._squares: dict[tuple[Model, tuple[int, ...]], Floats] = {}
         self._rates: dict[tuple[str, bool], float] = {}  # seconds per work
         self._differences: dict[tuple[Any, ...], float] = {}
+        self._laws: dict[tuple[Model, Model], PlaneLaw] = {}
 
     @property
     def size(self) -> int:
@@ -136,8 +141,8 @@ class Probe:
             own = [found for (other, _), found in zip(tasks, parts) if other is model]
             echoes = np.concatenate([echoes for echoes, _ in own])[:, :, self._near :] * self._scale[pings]
             self._traced[model, of] = echoes
-            if model.planes > 1 and not of:
-                self._squares[model] = np.concatenate([squares for _, squares in own])
+            if model.planes > 1:
+                self._squares[model, of] = np.concatenate([squares for _, squares in own])
 
     def _trace(self, model: Model, pings: ArrayLike) -> tuple[Singles, Floats]:
         """Trace pings by a model on one thread, timed; return the squares of the errors of planes too if swept."""
@@ -187,13 +192,22 @@ class Probe:
 
     def law(self, few: Model, many: Model) -> PlaneLaw:
         """Errors by the number of planes, from few planes of the same pings and from many."""
-        self.trace((few, many))
-        one, other = (self._traced[model, ()] for model in (few, many))
-        squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
-        found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
-        estimated = (errors_over_bed(self._squares[model].sum(axis=1)) for model in (few, many))
-        groups = [group for group in (~self._is_across, self._is_across) if group.any()]
-        return _fit_law(np.stack([np.maximum(*found), *estimated]), groups)
+        if (few, many) not in self._laws:
+            count = self.size if few.planes == PAIRS[0][0] else self.size // 2
+            (one, estimated), (other, finer) = (self._first(count, model) for model in (few, many))
+            squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
+            found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
+            errors = [np.maximum(*found), *(errors_over_bed(each.sum(axis=1)) for each in (estimated, finer))]
+            arrays, poses = self._packed.modelled_arrays(few), take_poses(self._poses, slice(count))
+            met = find_pings_met(arrays, poses, lay_planes(arrays, poses, few.planes, few.across))
+            self._laws[few, many] = _fit_law(few.planes, many.planes, np.stack(errors), met, self._is_across[:count])
+        return self._laws[few, many]
+
+    def _first(self, count: int, model: Model) -> tuple[Singles, Floats]:
+        """Echoes of the first pings by a model over the flat-bed curve, and the squares that its planes estimate."""
+        of = () if (model, ()) in self._traced or count == self.size else tuple(range(count))
+        self.trace([model], of)
+        return self._traced[model, of][:count], self._squares[model, of][:count]
 
     def folds(self, model: Model) -> bool:
         """Whether several eigenrays or none reach some places from some of the pings."""
@@ -217,7 +231,7 @@ class Probe:
 
 
 def _find_clear_of_targets(arrays: SceneArrays, poses: Poses) -> Booleans:
-    """Whether the sonar is outside of all targets at each ping; refuse pings of which none is."""
+    """Whether the sonar is outside of all targets at each ping; it is an error if it is inside at all pings."""
     clear, fault = np.ones(poses.x.size, np.bool_), None
     try:
         refuse_sonar_in_target(arrays, poses)
@@ -232,15 +246,36 @@ def _find_clear_of_targets(arrays: SceneArrays, poses: Poses) -> Booleans:
     return clear
 
 
-def _fit_law(errors: Floats, groups: list[Booleans]) -> PlaneLaw:
+def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: Booleans) -> PlaneLaw:
     """Law of errors, (3, pings): of few planes as found, and as few and many planes estimate them."""
-    found, few, many = (
-        [math.sqrt(float(np.square(np.minimum(each[group], 1.0)).mean())) for group in groups] for each in errors
-    )
-    fall = math.log(few[0] / many[0]) / math.log(MANY_PLANES / FEW_PLANES) if many[0] > 0.0 else MOST_POWER
-    trust = max(one / other if other > 0.0 else 0.0 for one, other in zip(found, few))
-    fall, trust = min(max(fall, LEAST_POWER), MOST_POWER), max(TRUST_MARGIN * trust, LEAST_TRUST)
-    return PlaneLaw(found[0], fall, trust, tuple(np.minimum(errors[1][groups[0]], 1.0).tolist()))
+    found, estimated, fall = *np.minimum(errors[:2], 1.0), MOST_POWER
+    usual = ~is_across if not is_across.all() else is_across
+    of_few, of_many = (_root_mean_square(each[usual]) for each in errors[1:])
+    if of_many > 0.0:
+        fall = math.log(of_few / of_many) / math.log(many / few) if of_few > 0.0 else LEAST_POWER
+    alone, met = (_trust(found[group], estimated[group]) for group in (~is_met, is_met))
+    # Where no ping of a kind is measured, those of the other kind have to do.
+    trust = Trust(alone or met, met or alone)
+    by_planes = np.where(is_met, trust.met, trust.alone) * estimated
+    error, fall = _root_mean_square(found[usual]), min(max(fall, LEAST_POWER), MOST_POWER)
+    return PlaneLaw(few, many, error, fall, trust, tuple(by_planes[usual].tolist()))
+
+
+def _trust(found: Floats, estimated: Floats) -> float:
+    """Errors found over those estimated, of all pings together or of most of many, whichever is greater; 0 of none.
+
+    Few pings may err little by chance: n of them give no reason to trust in less than 1/√n.
+    """
+    told = estimated > LEAST_ESTIMATE
+    if not told.any():
+        return 1.0 / math.sqrt(told.size) if told.size else 0.0
+    together = _root_mean_square(found[told]) / _root_mean_square(estimated[told])
+    most = float(np.quantile(found[told] / estimated[told], TRUSTED)) if told.sum() >= ENOUGH_PINGS else 0.0
+    return max(TRUST_MARGIN * max(together, most), 1.0 / math.sqrt(told.size))
+
+
+def _root_mean_square(errors: Floats) -> float:
+    return math.sqrt(float(np.square(errors).mean()))
 
 
 def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Singles:
@@ -259,7 +294,7 @@ def _error(missed: Floats, whole: Floats, is_bound: bool = True) -> float:
 def _trend(coarser: Singles, coarse: Singles, fine: Singles) -> float:
     """Share of its last change by which a record goes on to change: the ratio of the vectors of both changes.
 
-    Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
+    Random changes are at right angles and give 0; changes by a bias that falls with the first power give a half.
     This is the vector form of Aitken's process (Wynn 1962).
     """
     before, last = coarser - coarse, coarse - fine

@@ -1,9 +1,9 @@
 """Choice of the few pings of a track on which a plan measures errors.
 
 Some pings are spread over the track, one at an irregular place within each of as many equal parts, so that no period of
-bed or motion falls in step with them; where a measured bed ends or has holes, over the pings within range of it. The
-greatest excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping
-in a thousand.
+bed or motion falls in step with them. Where a measured bed ends or has holes, only pings within range of the bed count.
+The greatest excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one
+ping in a thousand.
 """
 
 import math
@@ -73,7 +73,8 @@ def spread_over_track(scene: Scene, count: int) -> Integers:
 def _spread(pings: int, count: int) -> Integers:
     """One ping from each of ``count`` equal parts of the track.
 
-    Its place within the part is the fraction of k² times the golden ratio: unlike that of k, in step with no period.
+    Its place within the part is the fraction of k² times the golden ratio: unlike the fraction of k, it is in step with
+    no period.
     """
     edges = np.arange(min(count, pings) + 1) * pings // min(count, pings)
     within = GOLDEN * np.arange(1, edges.size) ** 2 % 1.0

@@ -12,7 +12,7 @@ from insonify.planning.effects import BY_SUBJECT, OF_PLANES, ROWS, Effect, plane
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
 from insonify.tracers.base import AUTO, find_tracer
-from insonify.tracers.plane_counts import MOST_PLANES, Goal
+from insonify.tracers.plane_counts import MOST_PLANES, Goal, Trust
 
 # Order of choice: effects, the tracer, its fineness, the bed. The last, because its work depends on all others.
 EFFECTS = ("bounces", "targets", "far_targets", "bending", *(row.subject for row in ROWS if row.field == "ways"))
@@ -108,7 +108,7 @@ def choose_for_case(case: Case, tolerance: float) -> Plan:
     share = cost / apart if apart > 0.0 else 1.0
     entries = [replace(entry, cost=share * entry.cost) if entry.modelled else entry for entry in entries]
     if goal is not None and model.planes > 1:  # pings of a greater error have more planes
-        least = max(goal.tolerance, plane_law(case, model.across).of(MOST_PLANES))
+        least = max(goal.tolerance, plane_law(case, model.across, model.planes).of(MOST_PLANES))
         entries = [
             replace(each, error=min(each.error, least)) if each.subject == "planes" else each for each in entries
         ]
@@ -142,9 +142,10 @@ def _find_goal(case: Case, model: Model, tolerance: float) -> Goal | None:
         return None
     if model.planes == 1 and model.across == 0:  # else pings that meet a target have several
         return None
-    trust = plane_law(case, model.across).trust
+    trust = plane_law(case, model.across, model.planes).trust
     # Over a level bed, which errs by nothing, the pings measured are the few that meet targets: no reason for less.
-    return Goal(OF_PLANES * tolerance, trust if model.planes > 1 else max(trust, 1.0))
+    trust = trust if model.planes > 1 else Trust(*(max(each, 1.0) for each in trust))
+    return Goal(OF_PLANES * tolerance, trust)
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
@@ -179,7 +180,7 @@ def list_alternatives(case: Case, made: Plan, tolerance: float) -> list[Alternat
             continue
         coarser = model._replace(**{row.field: values[place - 1]})
         is_planes = row.subject == "planes" and coarser.planes > 1
-        law = plane_law(case, model.across) if is_planes else None
+        law = plane_law(case, model.across, coarser.planes) if is_planes else None
         error = row.judge(case, coarser, tolerance) if law is None else law.usual(coarser.planes)
         said = row.say(case, coarser, error)
         if said is not None:
@@ -218,7 +219,8 @@ def _choose(case: Case, row: Effect, model: Model, tolerance: float) -> Model:
     if row.subject == "planes" and coarser:
         if values[0] == 1 and planes_error(case, coarser[0]) <= most:
             return coarser[0]
-        return model._replace(planes=plane_law(case, model.across).enough([n for n in values if n > 1], most))
+        usual = ((count, plane_law(case, model.across, count).usual(count)) for count in values if count > 1)
+        return model._replace(planes=next((count for count, error in usual if error <= most), values[-1]))
     if coarser and not _is_able(case, row, finest):
         most = tolerance
     able = (one for one in coarser if _is_able(case, row, one) and row.judge(case, one, tolerance) <= most)

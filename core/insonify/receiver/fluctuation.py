@@ -80,7 +80,7 @@ def _shift(energy: Singles, late: Floats) -> Singles:
 
 
 def _shift_waves(waves: Waves, late: Floats) -> Waves:
-    """Waves with every ping delayed: energies are interpolated, phases lie between those of neighbouring samples."""
+    """Waves with every ping delayed: energies and phases are interpolated between neighbouring samples."""
     energy = _shift(waves.real**2 + waves.imaginary**2, late)
     real, imaginary = _shift(waves.real, late), _shift(waves.imaginary, late)
     amplitude = np.sqrt(energy / np.maximum(real**2 + imaginary**2, TINY))

@@ -60,7 +60,7 @@ class Crosstalk(Stage):
         sound.energy = sound.energy + np.float32(self.share) * sound.energy[:, ::-1]
 
     def act_on_waves(self, sound: Sound) -> None:
-        """Add to each side the other's waves, those of the water column included."""
+        """Add to each side the other's waves, including waves of the water column."""
         sound.draw_background(self.field)
         for part in (sound.waves.real, sound.waves.imaginary):
             part += np.float32(np.sqrt(self.share)) * part[:, ::-1]

@@ -90,7 +90,7 @@ class Speckle(Stage):
         return cls(field, looks, texture, arrays.reflectivity / columns)
 
     def act_on_energies(self, sound: Sound) -> None:
-        """Multiply mean echoes by factors; by those of the texture alone if waves are drawn after it."""
+        """Multiply mean echoes by factors; by the texture's factors alone if waves are drawn after it."""
         inverse_shape = None  # mean of 1/ν over the echoes of a bin, by their energy; None for the receiver's own ν
         if sound.weighted is not None:
             inverse_shape = np.zeros_like(sound.energy)

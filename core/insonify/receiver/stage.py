@@ -134,7 +134,7 @@ class ReceiverSetup:
 class Sound:
     """Sound of a block of pings in the receiver.
 
-    Stages replace arrays of energies, and never change their elements, which may be those of the tracer.
+    Stages replace arrays of energies, and never change their elements, which may belong to the tracer.
     """
 
     pings: Integers  # (n,) numbers of the pings
@@ -239,7 +239,7 @@ class Stage(ABC):
     coherent: ClassVar[bool] = False
 
     def __init_subclass__(cls) -> None:
-        """Add the stage to those of which receivers are made."""
+        """Add the stage to the stages that make up receivers."""
         if "rank" in vars(cls):
             KINDS.append(cls)
 

@@ -113,7 +113,7 @@ def _in_water(volume: Volume, ground: AnyGround) -> tuple[Floats, float]:
 
 
 def points_in_water(points: Floats, ground: AnyGround) -> Floats:
-    """Return those of n points, z up from the sea surface, that lie in the water, with z up from the datum."""
+    """Return the points, z up from the sea surface, that lie in the water, with z up from the datum."""
     place = points - np.array([0.0, 0.0, ground.datum])
     below_bed = place[:, 2] < ground.height_at(place[:, 0], place[:, 1])  # NaN, where there is no bed, compares false
     return np.asarray(place[~below_bed & (points[:, 2] < 0.0)])

@@ -112,7 +112,7 @@ class TrackFilters(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FilteredField(WaveField):
-    """Waves whose correlation along the track is that of filters."""
+    """Waves whose correlation along the track follows from filters."""
 
     filters: TrackFilters
     edges: Integers  # (rows + 1,) columns between which each row of the filters applies

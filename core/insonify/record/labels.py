@@ -47,7 +47,7 @@ class Label:
     meanings: Callable[[LabelledBlock], Mapping[int, str]] | None = None  # returns the names of numbers
 
     def __post_init__(self) -> None:
-        """Add the label to those of records."""
+        """Add the label to the labels of records."""
         LABELS[self.name] = self
 
     def variable(self, block: LabelledBlock) -> dict[str, Any]:

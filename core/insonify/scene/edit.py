@@ -146,7 +146,7 @@ class _Switched(str):
     before: str
 
     def __new__(cls, kind: str, before: str) -> Self:
-        """Return the name of a kind with that of the kind it replaces."""
+        """Return the name of a kind, and the name of the kind it replaces."""
         switched = super().__new__(cls, kind)
         switched.before = before
         return switched

@@ -10,6 +10,7 @@ import tomli_w
 from insonify.errors import FileWarning, SceneError, warn_caller
 from insonify.files import bundled_meshes, bundled_scenes
 from insonify.io.file_access import LARGEST_TOML, FileFault, parse_toml, read_named
+from insonify.io.sealed import SUFFIX, unseal
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.scene import Scene
 
@@ -23,7 +24,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Parameters
     ----------
     name_or_path : str or Path
-        Name of a bundled scene, or a TOML file.
+        Name of a bundled scene, a TOML file, or an exercise.
 
     Returns
     -------
@@ -39,6 +40,11 @@ def load_scene(name_or_path: str | Path) -> Scene:
     text = read_named("scene", str(name_or_path), path, form="TOML", bundled=bundled_scenes(), largest=LARGEST_TOML)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
+    if path.suffix.lower() == SUFFIX:
+        try:
+            return build(unseal(parse_toml(text))["scene"])
+        except FileFault as fault:
+            raise SceneError(f"{path.name}: {fault}") from None
     scene = scene_from_toml(text, source=path)
     noise = scene.receiver.noise
     if noise is not None and noise.advice and path not in bundled_scenes().values():

@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 from typing import Any, Literal, Self
 
+import tomli_w
 from pydantic import field_validator, model_validator
 
+from insonify.cards import make_card, quote_text
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Coordinate, Declaration, Words, is_field, parameter
@@ -20,6 +22,7 @@ from insonify.scene.water import AnyWater, UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
+MOST_NAMED = 12  # targets in a card
 MOST_TARGETS = 10_000  # twenty times as many took two minutes to pack
 # Limits of bed cells along a range: a slice takes a dozen knots per cell, and endless ground is stored as a square.
 MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
@@ -156,6 +159,18 @@ class Scene(Declaration):
         """The description without its links."""
         parts = split_description(self.description)
         return "".join(part if isinstance(part, str) else part.words for part in parts)
+
+    def _repr_html_(self) -> str:
+        """Describe the scene in a notebook."""
+        sonar, track = self.sonar, self.track
+        facts = [
+            ("", self.about), ("sonar", f"{sonar.frequency / 1e3:g} kHz, {sonar.range:g} m, 2 x {sonar.bins} bins"),
+            ("tow", f"{track.pings} pings at {sonar.ping_rate:g} per second, {track.speed:g} m/s"),
+            ("bed", f"depth {self.seabed.depth:g} m, {self.altitude:g} m below the sonar"),
+            ("targets", ", ".join(target.kind for target in self.targets[:MOST_NAMED]) or "none"),
+        ]  # fmt: skip
+        settings = self.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+        return make_card(self.title, facts, quote_text(tomli_w.dumps(settings)))
 
     @property
     def georeference(self) -> Georeference | None:

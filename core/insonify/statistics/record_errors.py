@@ -67,7 +67,7 @@ def _ratio(part: float, whole: float) -> float:
 
 
 class ErrorParts(NamedTuple):
-    """Parts of an error, as shares of the record; their squares add up to that of the whole."""
+    """Parts of an error, as shares of the record; their squares add up to the square of the whole error."""
 
     bed: float  # of bins that targets do not change
     shadows: float  # of bins that targets darken

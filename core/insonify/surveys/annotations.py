@@ -24,7 +24,7 @@ class AnnotationKind(Kind):
     family = ANNOTATIONS
 
     def of_tile(self, tile: Mapping[str, Any], classes: Sequence[str]) -> dict[str, tuple[str, bytes]]:
-        """Suffix and content of files of one tile, by the folder beside that of the images."""
+        """Suffix and content of files of one tile, by their folder, which lies beside the folder of the images."""
         return {}
 
     def collect(self, folder: Path, splits: Sequence[str], classes: Sequence[str]) -> AbstractContextManager[Collector]:
@@ -40,7 +40,7 @@ class AnnotationKind(Kind):
 
 
 def _ignore(tile: Mapping[str, Any]) -> None:
-    """Take a tile of which nothing is written."""
+    """Take a tile without writing anything."""
 
 
 class Coco(AnnotationKind, kind="coco", rank=10):

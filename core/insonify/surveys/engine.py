@@ -51,8 +51,8 @@ class Work(Protocol):
     def make(self, name: str, beside: Path) -> Mapping[str, Any]:
         """Do one job: write its files below a folder as they stand below `folder`, and return its report.
 
-        The same name gives the same files on every machine with the same build. The report is kept as JSON; ``made`` of
-        it counts what was made, and is sent back to the driver.
+        The same name gives the same files on every machine with the same build. The report is kept as JSON; Its
+        ``made`` counts what was made, and is sent back to the driver.
         """
 
     def begun(self) -> Self:

@@ -79,7 +79,7 @@ class Workers:
 
 
 def claim_build(flags: Path, build: Build) -> Build:
-    """Record the build that files of a folder are to be made with; return it, or that of another driver before this."""
+    """Record the build that files of a folder are to be made with; return it, or the build of an earlier driver."""
     final = flags / RECORD
     if in_store(final):
         if (first := read_build(flags)) is None:
@@ -126,7 +126,7 @@ class SchedulerKind:
 
 
 def find_schedulers() -> dict[str, SchedulerKind]:
-    """Return the kinds by their prefixes: those of this module and those that installed packages announce."""
+    """Return the kinds by their prefixes: kinds of this module, and kinds that installed packages announce."""
     others = loaded(announced(GROUP), lambda kind: (kind.prefix, kind))
     return {kind.prefix: kind for kind in KINDS} | dict(others)
 

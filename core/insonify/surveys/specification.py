@@ -31,7 +31,7 @@ def read_specification(name: str, model: type[Model], folder: str, **changes: An
 def _read_values(
     name: str, folder: Path, bundled: Mapping[str, Path], parents: tuple[Path, ...] = ()
 ) -> dict[str, Any]:
-    """Read the values of a specification, over those of the one that it is `like`: tables are joined."""
+    """Read the values of a specification over the values of the one that it is `like`: tables are joined."""
     path = bundled.get(name) or folder / name
     if path in parents:
         raise SceneError(f"{path.name}: like: the specification refers to itself; name another one")

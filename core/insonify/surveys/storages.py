@@ -45,7 +45,7 @@ class StorageKind(Kind):
         Parameters
         ----------
         folder : Path
-            Stands for that of the data set.
+            Stands for the folder of the data set.
         job : str
             Number of the job.
         shelf : str

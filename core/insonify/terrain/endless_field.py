@@ -104,7 +104,7 @@ class Nodes(NamedTuple):
 
     @property
     def is_tile(self) -> bool:
-        """Whether they are those of a tile."""
+        """Whether they belong to a tile."""
         return self.shape == (TILE, TILE) and self.row % TILE == self.column % TILE == 0
 
 
@@ -355,7 +355,7 @@ def _half_band() -> tuple[float, ...]:
 
 
 def _crossing(spacing: float, level: int) -> float:
-    """Lower end of the octave over which waves pass from the lattice of the next level to that of this level."""
+    """Lower end of the octave over which waves pass from the lattice of the next level to the lattice of this level."""
     return 0.5 * HIGHEST * 0.5 / (spacing * 2.0 ** (level + 1))
 
 

@@ -171,7 +171,7 @@ class EndlessExcerpt(EndlessGround):
         return heights
 
     def height_near(self, x: Floats, y: Floats) -> Floats:
-        """Bilinear height above the datum; that of the nearest edge outside the rectangle."""
+        """Bilinear height above the datum; outside the rectangle the height of the nearest edge."""
         return self.rectangle.height_near(x, y)
 
 

@@ -74,7 +74,7 @@ class Ground:
     height_at_once = height_at  # because the whole bed is stored
 
     def height_near(self, x: Floats, y: Floats) -> Floats:
-        """Bilinear height above the datum; outside the bed that of the nearest bed."""
+        """Bilinear height above the datum; outside the bed the height of the nearest bed."""
         u, v = self._in_cells(x, y)
         if not self.periodic:
             # In cells: rounding may put a coordinate in metres beyond the last node.

@@ -106,7 +106,7 @@ def recorded_at(scene: Scene, pings: Reals | Integers) -> dict[str, Floats]:
 
 @lru_cache(maxsize=4)
 def _on_the_map(tow: RecordedNavigation, place: Georeference | None) -> RecordedNavigation:
-    """Turn positions on Earth and true headings to those of the scene; without its place, the first fix is (0, 0)."""
+    """Turn positions on Earth and true headings to the scene's; without its place, the first fix is (0, 0)."""
     if tow.place is None or place is None or not place.crs:
         return tow
     x, y = project(tow.place.crs, place.crs, tow.columns["x"], tow.columns["y"])

@@ -23,15 +23,15 @@ def sonar_height(scene: Scene, ground: AnyGround) -> float:
     return -scene.track.depth - ground.datum if scene.track.depth is not None else scene.altitude
 
 
-def make_poses(scene: Scene, ground: AnyGround, pings: Integers) -> Poses:
-    """Place the sonar at the given pings; numbers beyond the track's last ping continue its line."""
-    line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
+def make_poses(scene: Scene, ground: AnyGround, pings: Integers, steered: TowLine | None = None) -> Poses:
+    """Place the sonar at the given pings, on a steered line or the track's, which continues beyond its last ping."""
+    line, known = steered or tow_line_at(scene, pings), {} if steered else recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
     moved = _displacement(scene, pings)
     return Poses(
         x=line.x + moved["surge"] * np.cos(line.heading) - moved["sway"] * np.sin(line.heading),
         y=line.y + moved["surge"] * np.sin(line.heading) + moved["sway"] * np.cos(line.heading),
-        z=_height(scene, ground, line, pings) + moved["heave"],
+        z=_height(scene, ground, line, pings, known, steered is not None) + moved["heave"],
         heading=line.heading + np.radians(moved["yaw"]),
         pitch=known.get("pitch", zero) + np.radians(moved["pitch"]),
         roll=known.get("roll", zero) + np.radians(moved["roll"]),
@@ -124,15 +124,25 @@ def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
         )
 
 
-def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: Integers) -> Floats:
-    """Heights of the sonar above the datum, without its heave."""
-    known = recorded_at(scene, pings)
+def _height(
+    scene: Scene, ground: AnyGround, line: TowLine, pings: Integers, known: dict[str, Floats], steered: bool
+) -> Floats:
+    """Heights of the sonar above the datum, without its heave; a steered fish takes the bed ahead for its future."""
     if "depth" in known:
         return -known["depth"] - ground.datum
     if "altitude" in known:
         return ground.height_near(line.x, line.y) + known["altitude"]
     height = np.full(line.x.shape, sonar_height(scene, ground))
-    return height + bed_beneath(scene, ground, pings) if scene.track.terrain_following else height
+    if not scene.track.terrain_following:
+        return height
+    if not steered:
+        return height + bed_beneath(scene, ground, pings)
+    along = np.abs(height)[:, None] * (np.arange(1 - BED_SAMPLES, BED_SAMPLES) / BED_SAMPLES)
+    x, y = (
+        line.x[:, None] + along * np.cos(line.heading)[:, None],
+        line.y[:, None] + along * np.sin(line.heading)[:, None],
+    )
+    return height + ground.height_near(x, y) @ _raised_cosine()
 
 
 def _displacement(scene: Scene, pings: Integers) -> dict[Axis, Floats]:

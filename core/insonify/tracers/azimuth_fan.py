@@ -64,7 +64,7 @@ def lay_planes(
     planes, across : int or (n,) int64
         Planes across the main lobe of each ping, and least number of them across each target in its beam.
     laid_at : (n,) float64, optional
-        Heights by which a pattern's planes are laid, m; by default those of the poses.
+        Heights by which a pattern's planes are laid, m; by default the heights of the poses.
 
     Returns
     -------

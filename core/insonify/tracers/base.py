@@ -60,8 +60,8 @@ class PreparedTracer(ABC):
         Returns
         -------
         (n, 2, bins) float32
-            Mean intensity of an ideal pulse's echoes in each bin, port first. That of a ping depends on its own pose
-            alone, not on the other pings nor on the number of threads.
+            Mean intensity of an ideal pulse's echoes in each bin, port first. The echo of a ping depends on its own
+            pose alone, not on the other pings nor on the number of threads.
 
         Raises
         ------
@@ -80,7 +80,7 @@ class Tracer(PreparedTracer):
 
     A subclass with a `name` is a method that ``--method`` and `insonify.plan` accept. It is found by standing in
     `insonify.tracers`, by an entry point of the group ``insonify.tracers``, or by being declared anywhere. One object
-    of it serves all scenes.
+    serves all scenes.
 
     Attributes
     ----------
@@ -92,8 +92,8 @@ class Tracer(PreparedTracer):
         Whether a plan may choose it; the first one by rank that can trace a scene is taken.
     fineness : tuple of str
         Fields of the `Model` that set how finely it traces, the main one first: ``planes``, ``rays``, ``step``,
-        ``misplaced`` (division of the bed's segments), ``every`` (stride of the bed's nodes), or ``fineness``, the
-        number that a tracer counts for which the model has no other field.
+        ``misplaced`` (division of the bed's segments), ``every`` (stride of the bed's nodes). A tracer that counts
+        something else uses ``fineness``.
     ladder : Ladder or None
         Numbers of the main field. A plan doubles it until what that changes keeps to the tolerance.
     follows_bounces : bool

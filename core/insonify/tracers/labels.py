@@ -24,7 +24,7 @@ from insonify.parallel import PerThread
 from insonify.tow.poses import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.base import new_record, share_blocks
-from insonify.tracers.plane_counts import empty_squares
+from insonify.tracers.plane_counts import AS_ESTIMATED, Trust, empty_squares
 from insonify.tracers.sweep import pings_a_thread, trace
 from insonify.tracers.target_planes import find_pings_met
 
@@ -44,11 +44,12 @@ def trace_labels(
     squares: Floats | None = None,
     targets_alone: bool = False,
     threads: int | None = None,
+    trust: Trust = AS_ESTIMATED,
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
-    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding, ``squares`` those of the
-    errors of planes. With ``targets_alone`` pings that meet no target have the bed wherever there is an echo, of no
+    ``echoes`` takes the intensity that `sweep.trace` finds, beneath waves only by rounding, ``squares`` the squares of
+    the errors of planes. With ``targets_alone`` pings that meet no target have the bed wherever there is an echo, of no
     place, incidence and material.
     """
     refuse_sonar_in_target(arrays, poses)
@@ -67,7 +68,7 @@ def trace_labels(
 
     def trace_some(places: Integers) -> Singles:
         own = None if squares is None else empty_squares(places.size)
-        settings: dict[str, Any] = {"rays": rays, "threads": threads, "squares": own}
+        settings: dict[str, Any] = {"rays": rays, "threads": threads, "squares": own, "trust": trust}
         found = trace(arrays, take_poses(poses, places), planes=planes[places], across=across[places], **settings)
         if squares is not None:
             squares[places] = own
@@ -92,6 +93,8 @@ def trace_labels(
         label_swept_pings(arrays, part, *beams, apparent, described, *rooms.own, out)
 
     share_blocks(take_poses(poses, clear), sweep, threads, pings_a_thread(laid))
+    if squares is not None:
+        squares[clear, :, :, 0] *= np.square(trust.of(arrays, take_poses(poses, clear), laid))[:, None, None]
     turn_into_degrees(labels.incidence)
     return _label_beside(labels, energy, arrays.range_factor, crosstalk, volumes)
 

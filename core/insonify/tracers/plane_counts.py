@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Floats, Integers, Singles
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.plane_errors import BEYOND, COLUMN, REGIONS
+from insonify.kernels.sweep.sweep import LaidPlanes
+from insonify.tracers.target_planes import find_pings_met
 
 AnyArray = NDArray[Any]
 Columns = tuple[AnyArray, ...]
@@ -29,11 +32,27 @@ class TracedPings(NamedTuple):
     bin_errors: Singles  # (n, 2, bins) errors of bins by planes, as intensities; without bins if they are not found
 
 
+class Trust(NamedTuple):
+    """Error over what planes estimate."""
+
+    alone: float = 1.0  # of pings that show the bed alone
+    met: float = 1.0  # of pings of which planes may cut targets
+
+    def of(self, arrays: SceneArrays, poses: Poses, laid: LaidPlanes) -> Floats:
+        """Return that of each ping, (n,)."""
+        if self.alone == self.met:
+            return np.full(poses.x.size, self.alone)
+        return np.where(find_pings_met(arrays, poses, laid), self.met, self.alone)
+
+
+AS_ESTIMATED = Trust()
+
+
 class Goal(NamedTuple):
     """Error of a ping with which its tracing ends."""
 
     tolerance: float  # greatest error by planes, as a share of the ping
-    trust: float = 1.0  # error over what planes estimate, measured on a few pings of the scene
+    trust: Trust  # measured on a few pings of the scene
 
 
 def empty_squares(pings: int) -> Floats:
@@ -42,7 +61,7 @@ def empty_squares(pings: int) -> Floats:
 
 
 def empty_bin_errors(pings: int, bins: int = 0) -> Singles:
-    """Errors of no bins of pings, (n, 2, 0), or room for those of some."""
+    """Errors of no bins of pings, (n, 2, 0), or room for the errors of some."""
     return np.zeros((pings, 2, bins), np.float32)
 
 
@@ -76,7 +95,7 @@ def more_across(planes: Integers, first: int, across: int) -> Integers:
 def trace_until(
     goal: Goal | None, first: int, pings: int, trace_some: Callable[[Integers, Integers], Columns]
 ) -> tuple[Columns, Integers]:
-    """Trace pings, and those of too great an error by more planes; return what is traced and the planes of each.
+    """Trace pings, and pings of too great an error by more planes; return what is traced and the planes of each.
 
     Parameters
     ----------
@@ -92,7 +111,7 @@ def trace_until(
     planes = np.full(pings, first, np.int64)
     columns = trace_some(np.arange(pings), planes)
     while goal is not None and pings > 0:
-        errors = goal.trust * errors_of_sides(columns[-1].sum(axis=1))
+        errors = errors_of_sides(columns[-1].sum(axis=1))
         over = np.flatnonzero((errors > goal.tolerance) & (planes < MOST_PLANES))
         if over.size == 0:
             break

@@ -26,9 +26,11 @@ from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import beam_planes, lay_planes_of_images
 from insonify.tracers.base import PreparedTracer, Tracer, new_record, share_blocks
 from insonify.tracers.plane_counts import (
+    AS_ESTIMATED,
     Columns,
     Goal,
     TracedPings,
+    Trust,
     empty_bin_errors,
     empty_squares,
     more_across,
@@ -120,6 +122,7 @@ def trace_measured(
         squares, more = empty_squares(places.size), more_across(counts, planes, across)
         some, bins = take_poses(poses, places), empty_bin_errors(places.size, arrays.bins if of_bins else 0)
         measured: dict[str, Any] = {"squares": squares, "bin_errors": bins}
+        measured |= {} if goal is None else {"trust": goal.trust}
         return trace(arrays, some, planes=counts, across=more, **measured, **settings), bins, squares
 
     (echoes, bins, squares), counts = trace_until(goal, planes, poses.x.size, trace_some)
@@ -137,11 +140,12 @@ def trace(
     double: bool = False,
     squares: Floats | None = None,
     bin_errors: Singles | None = None,
+    trust: Trust = AS_ESTIMATED,
 ) -> Singles:
     """Trace pings by the sweep, all by the same number of planes or each by its own.
 
-    ``squares`` takes those of the errors of planes, where they are measured, ``bin_errors`` the errors of bins by
-    planes, as intensities.
+    ``squares`` takes the squares of the errors of planes, where they are measured, ``bin_errors`` the errors of bins by
+    planes, as intensities; both as far as what planes estimate is trusted.
     """
     refuse_sonar_in_target(arrays, poses)
     apparent, folded = make_apparent_tables(arrays, poses)
@@ -179,9 +183,11 @@ def trace(
     if not whole:
         out[clear] = found[0]
     if squares is not None:
+        own = trust.of(arrays, some, laid)[:, None, None]
         squares[clear] = found[1]
-    if bin_errors is not None:
-        bin_errors[clear] = found[2]
+        squares[clear, :, :, 0] *= own * own
+        if bin_errors is not None:
+            bin_errors[clear] = found[2] * own
     return out
 
 

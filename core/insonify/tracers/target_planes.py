@@ -42,7 +42,7 @@ class TargetSectors(NamedTuple):
 
 
 class _Outlines(NamedTuple):
-    """Points with radii about them, the hulls of which are the bodies' outlines from above."""
+    """Points with radii about them, whose hulls are the bodies' outlines from above."""
 
     x: Floats  # (points,) m
     y: Floats
@@ -63,7 +63,7 @@ def heights_of(arrays: SceneArrays, poses: Poses) -> Floats:
 
 
 def split_pings(arrays: SceneArrays, places: Integers) -> list[Integers]:
-    """Split pings into parts of which the sectors of all targets fit in little memory."""
+    """Split pings into parts, so that the sectors of all targets fit in little memory."""
     bodies = 2 * (arrays.solids.shape.size + np.unique(arrays.mesh.target).size)
     return np.array_split(places, max(places.size * bodies // MOST_AT_ONCE, 1))
 

@@ -24,7 +24,7 @@ def plot(
 ) -> Picture:  # fmt: skip
     """Draw values of the common method, of this program and exact ones over an axis; a pair is places and values.
 
-    Axes that are logarithmic are named, `down` points the y axis downwards, and `style` is that of dots.
+    Axes that are logarithmic are named, `down` points the y axis downwards, and `style` is the style of dots.
     """
 
     def draw(figure: Figure) -> None:

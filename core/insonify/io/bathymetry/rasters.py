@@ -160,7 +160,7 @@ def _read_metres(raster: Any, source: Any) -> Grid:
 
 
 def _axes(crs: Any) -> list[Any]:
-    """Axes of a reference system, the third one vertical; none where PROJ does not know it."""
+    """Axes of a reference system, the third one vertical; none where PROJ has no entry."""
     from pyproj import CRS  # lazy: a tenth of a second to import, and only rasters need it
     from pyproj.exceptions import CRSError
 
@@ -177,7 +177,7 @@ def _other_unit(crs: Any) -> Any:
 
 
 def _stretches(raster: Any) -> bool:
-    """Whether lengths on a map are not those on Earth, as those of the Web Mercator are not."""
+    """Whether lengths on a map differ from lengths on Earth, as in the Web Mercator."""
     from pyproj import Proj  # lazy, as below
     from pyproj.exceptions import ProjError
 

@@ -29,6 +29,9 @@ OPTIONAL_VALUES = ("platform_altitude",)  # may be NaN for some pings or all
 
 def read_record(path: str | Path, frequency: float | None = None) -> Dataset:
     """Read a record by the suffix of its file."""
+    # lazy: it imports xarray
+    from insonify.io import record_plot  # noqa: F401
+
     selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     with RECORDS.guarded(path, "give a record written by insonify"):
         if selected and "frequency" not in RECORDS.selects(str(path)):

@@ -97,7 +97,7 @@ def _contrast(intensity: Singles, edges: Integers, width: int) -> Floats:
 
 
 def _sum_scores(echoes: Singles, width: int, last: Singles | None) -> Singles:
-    """Greatest scores in all of the courses that end in each bin, (pings, bins), after those of the ping before."""
+    """Greatest scores in all courses that end in each bin, (pings, bins), after the scores of the ping before."""
     # The best predecessor of every bin at a linear cost follows from running maxima from either side.
     at = np.arange(echoes.shape[2] - width + 1)
     slope = STEADY * np.arange(at.size)

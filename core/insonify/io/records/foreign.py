@@ -7,9 +7,7 @@ Foreign = FileFormat[Dataset]
 FISHFINDER = "export it as XTF, for example with SonarTRX or SonarWiz"
 SURVEY = "export it as XTF, for example with SonarWiz or with the program that recorded it"
 
-HUMMINBIRD: Foreign = FileFormat("Humminbird SON (of PyHum)", (".son", ".idx"), converter=FISHFINDER)
-LOWRANCE: Foreign = FileFormat("Lowrance SLG, SL2 or SL3", (".slg", ".sl2", ".sl3"), converter=FISHFINDER)
-GARMIN: Foreign = FileFormat("Garmin RSD", (".rsd",), converter=FISHFINDER)
+LOWRANCE: Foreign = FileFormat("Lowrance SLG", (".slg",), converter=FISHFINDER)
 CERULEAN: Foreign = FileFormat("Cerulean SVLOG", (".svlog",), converter=FISHFINDER)
 TELEDYNE: Foreign = FileFormat("Teledyne Reson s7k", (".s7k", ".7k"), converter=SURVEY)
 KONGSBERG: Foreign = FileFormat("Kongsberg EM", (".all", ".kmall", ".wcd", ".kmwcd"), converter=SURVEY)

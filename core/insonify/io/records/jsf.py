@@ -1,7 +1,4 @@
-"""Recordings in EdgeTech's JSF: messages of sonar data (80) of a side-scan subsystem.
-
-Offsets and units of fields: EdgeTech, JSF Data File Description, 0023492 rev. M (2024).
-"""
+"""Recordings in EdgeTech's JSF: messages of sonar data (80) of a side-scan subsystem."""
 
 import math
 from datetime import UTC, datetime
@@ -15,37 +12,29 @@ from insonify.arrays import Booleans, Dataset, Floats
 from insonify.io.file_access import FileFault, open_regular
 from insonify.io.formats import FileFormat
 from insonify.io.records import recording
+from insonify.io.records.jsf_writer import (
+    ALTITUDE,
+    ANGLE,
+    ATTITUDE,
+    DEPTH,
+    HEADING,
+    MARKER,
+    MESSAGE,
+    MINUTE_OF_ARC,
+    MINUTES,
+    MOST_WEIGHT,
+    POSITION,
+    SIDE_SCAN,
+    SONAR_DATA,
+    TRACE,
+    write_jsf,
+)
 
-MARKER, SONAR_DATA = 0x1601, 80
-SIDE_SCAN = (20, 21, 22)  # subsystems: low, high and very high frequency
 ENVELOPE, ANALYTIC = 0, 1  # data formats: one and two 16-bit integers a sample
 MORE_BITS, FRACTIONS = 0x0A, 0x0B  # protocol versions from which samples have 20 bits and intervals a fraction
+LEAST_STEP = 8.0  # units of position between two fixes that count
 MOST_SKIPPED = 2**20  # samples between transmission and recording
-MINUTE_OF_ARC = 1.0 / 60e4  # degrees, of positions in units of 2
 METRES = {1: 1e-3, 3: 0.1, 4: 0.01}  # of positions in other units
-MINUTES = 2
-ANGLE = 180.0 / 32768.0  # degrees, of pitch and roll
-POSITION, HEADING, ATTITUDE, ALTITUDE, DEPTH = 0, 3, 5, 6, 9  # bits of validity
-
-
-def _layout(size: int, fields: dict[str, tuple[str, int]]) -> np.dtype[Any]:
-    """Layout of a header of so many bytes, from the type and the offset of each field."""
-    types, offsets = zip(*fields.values())
-    return np.dtype({"names": list(fields), "formats": list(types), "offsets": list(offsets), "itemsize": size})
-
-
-MESSAGE = _layout(16, {
-    "marker": ("<u2", 0), "version": ("u1", 2), "type": ("<u2", 4), "subsystem": ("u1", 7), "channel": ("u1", 8),
-    "size": ("<u4", 12),
-})  # fmt: skip
-TRACE = _layout(240, {
-    "time": ("<i4", 0), "skipped": ("<u4", 4), "ping": ("<u4", 8), "more": ("<u2", 16), "fraction": ("<u2", 18),
-    "validity": ("<u2", 30), "format": ("<i2", 34), "x": ("<i4", 80), "y": ("<i4", 84), "units": ("<i2", 88),
-    "samples": ("<u2", 114), "interval": ("<u4", 116), "start": ("<u2", 126), "end": ("<u2", 128),
-    "depth": ("<i4", 136), "altitude": ("<i4", 144), "speed": ("<f4", 148), "weight": ("<i2", 168),
-    "heading": ("<u2", 172), "pitch": ("<i2", 174), "roll": ("<i2", 176), "milliseconds": ("<u4", 200),
-})  # fmt: skip
-
 
 # Fields of the headers of pings that are kept.
 KEPT = np.dtype([(name, TRACE[name]) for name in (
@@ -131,7 +120,7 @@ def _side_format(message: Any, header: Any, stored: int) -> tuple[recording.Side
     skipped = int(header["skipped"])
     if skipped > MOST_SKIPPED or not 0.0 < step * (skipped + count) < 100.0:
         raise FileFault(f"has no sampling interval of ping {header['ping']}", "export it again")
-    scale = math.ldexp(1.0, -int(np.clip(header["weight"], -40, 40)))
+    scale = math.ldexp(1.0, -int(np.clip(header["weight"], -40, MOST_WEIGHT)))
     swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
     form = recording.SideFormat("<i2", numbers, count, skipped, False, scale)
     return form, 0.5 * speed * step * form.samples, 5.0 * swept, speed
@@ -162,7 +151,7 @@ def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
     """Positions of the pings, in the units of most of them."""
     units, number = np.unique(headers["units"], return_counts=True)
     unit = int(units[np.argmax(number)])
-    known = _valid(headers, POSITION) & (headers["units"] == unit)
+    known = _apart(headers, _valid(headers, POSITION) & (headers["units"] == unit))
     declared, degrees = (
         recording.Fixes(
             np.where(known, scale * headers["x"], 0.0), np.where(known, scale * headers["y"], 0.0), is_degrees
@@ -172,10 +161,22 @@ def _fixes(path: Path, headers: NDArray[Any], times: Floats) -> recording.Fixes:
     return degrees if unit == MINUTES else recording.settle_units(path, declared, degrees, times, np.zeros(1))
 
 
+def _apart(headers: NDArray[Any], known: Booleans) -> Booleans:
+    """Which of some fixes are far enough from the one before that rounding does not lengthen the way; the last too."""
+    # A unit is 0.2 m where a ping advances by as much: the steps of rounded fixes zigzag, and add up to too much.
+    kept, places = np.zeros_like(known), np.flatnonzero(known)
+    last = (math.inf, math.inf)
+    for place, x, y in zip(places.tolist(), headers["x"][places].tolist(), headers["y"][places].tolist()):
+        if math.hypot(x - last[0], y - last[1]) >= LEAST_STEP:
+            kept[place], last = True, (x, y)
+    kept[places[-1:]] = True
+    return kept
+
+
 def _valid(headers: NDArray[Any], bit: int) -> Booleans:
     """Which pings have a quantity; all of them if no ping declares anything."""
     declared = headers["validity"]
     return (declared >> bit & 1).astype(bool) if declared.any() else np.ones(declared.shape, dtype=bool)
 
 
-JSF = FileFormat("EdgeTech JSF", (".jsf",), read_jsf, selects=("frequency",))
+JSF = FileFormat("EdgeTech JSF", (".jsf",), read_jsf, write_jsf, selects=("frequency",), of_blocks=True)

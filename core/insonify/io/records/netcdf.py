@@ -1,9 +1,7 @@
 """Records as netCDF, written block by block, so that memory does not grow with the number of pings."""
 
-import errno
 import math
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.arrays import Dataset
-from insonify.io.file_access import FileFault, check_expansion, one_at_a_time
+from insonify.io.file_access import FileFault, check_expansion, disk_errors, one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.isolation import run_isolated
 from insonify.io.record_block import RecordBlock, RecordVariable, make_record_block
 from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
+from insonify.io.records.sonar_netcdf import write_sonar_netcdf
 
 ALONG = "ping_time"
 CHUNK_BYTES = 1e6
@@ -24,18 +23,22 @@ TEXT = 64  # bytes taken for a text of unknown length
 NUMBER = 8  # bytes that a number may take after it is decoded
 
 
-def write_netcdf(path: str | Path, blocks: Iterable[RecordBlock], *, compression: str = "none") -> None:
+def write_netcdf(
+    path: str | Path, blocks: Iterable[RecordBlock], *, compression: str = "none", convention: str = "cf"
+) -> None:
     """Write a record block by block."""
+    if convention != "cf":
+        return write_sonar_netcdf(path, blocks)
     import netCDF4  # slow to import, and no other command needs it at its start
 
     with one_at_a_time():
         file = netCDF4.Dataset(path, "w", format="NETCDF4")
     try:
         for block in blocks:
-            with one_at_a_time(), _disk_errors():
+            with one_at_a_time(), disk_errors():
                 append_to(file, block, compression)
     finally:
-        with one_at_a_time(), _disk_errors():
+        with one_at_a_time(), disk_errors():
             file.close()
 
 
@@ -51,6 +54,8 @@ def read_with_netcdf(path: str) -> RecordBlock:
     import netCDF4  # slow to import
 
     with netCDF4.Dataset(path) as file:
+        if "sonar_convention_name" in file.ncattrs():
+            raise FileFault("is in SONAR-netCDF4, which is only written", "give the record from which it was made")
         file.set_auto_maskandscale(False)
         check_variables(path, file.variables.values())
         variables = {
@@ -72,15 +77,6 @@ def check_variables(path: str, variables: Iterable[Any]) -> None:
 
 def _stored_attributes(holder: Any) -> dict[str, Any]:
     return {str(name): holder.getncattr(name) for name in holder.ncattrs()}
-
-
-@contextmanager
-def _disk_errors() -> Iterator[None]:
-    """Raise an OSError where the library raises a RuntimeError because the disk is full or gone."""
-    try:
-        yield
-    except RuntimeError as error:
-        raise OSError(errno.EIO, f"could not be written ({error})") from error
 
 
 def append_to(file: Any, block: RecordBlock, compression: str = "none") -> None:
@@ -171,5 +167,12 @@ NETCDF = FileFormat(
     remedy="give a record written by insonify",
     labelled=True,
     of_blocks=True,
-    options=(WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF"),),
+    options=(
+        WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF by cf"),
+        WriteOption(
+            "convention",
+            ("cf", "sonar-netcdf4"),
+            "convention of netCDF: climate and forecast, or that of ICES for sonars",
+        ),
+    ),
 )

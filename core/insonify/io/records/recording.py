@@ -94,7 +94,7 @@ class SideColumns(NamedTuple):
     slant_range: Floats
 
     def take(self, pings: Integers) -> "SideColumns":
-        """Return those of some pings."""
+        """Return the values of some pings."""
         return SideColumns(self.at[:, pings], self.format[:, pings], self.slant_range[:, pings])
 
 
@@ -124,8 +124,8 @@ class EchoIndex:
 class StoredEchoes(NamedTuple):
     """Echoes of the pings of a recording in its file."""
 
-    path: Path
-    signature: tuple[int, int]  # length and time of change of the file
+    paths: Sequence[Path]  # of the files of port and starboard, which are mostly one
+    signatures: Sequence[tuple[int, int]]  # their lengths and times of change
     formats: list[SideFormat]
     sides: SideColumns
 
@@ -133,27 +133,27 @@ class StoredEchoes(NamedTuple):
         """Squares of the samples of some pings on a grid of slant range, (2, n, bins)."""
         out = np.zeros((2, pings.size, bins), dtype=np.float32)
         together = max(ECHOES_TOGETHER // (2 * bins), 1)
-        try:
-            with open_regular(self.path) as file:
-                status = os.fstat(file.fileno())
-                if (status.st_size, status.st_mtime_ns) != self.signature:
-                    raise SceneError(f"{self.path}: has changed since it was opened; open it again")
-                for first in range(0, pings.size, together):
-                    self._lay(file, pings[first : first + together], out[:, first : first + together], bin_length)
-        except (OSError, FileFault) as error:
-            why = error.fault if isinstance(error, FileFault) else reason(error)
-            raise SceneError(f"{self.path}: cannot be read any more ({why}); open it again") from error
+        for row, (path, signature) in enumerate(zip(self.paths, self.signatures)):
+            try:
+                with open_regular(path) as file:
+                    if _signature(os.fstat(file.fileno())) != signature:
+                        raise SceneError(f"{path}: has changed since it was opened; open it again")
+                    for first in range(0, pings.size, together):
+                        some = slice(first, first + together)
+                        self._lay(file, row, pings[some], out[row, some], bin_length)
+            except (OSError, FileFault) as error:
+                why = error.fault if isinstance(error, FileFault) else reason(error)
+                raise SceneError(f"{path}: cannot be read any more ({why}); open it again") from error
         return np.square(out, out=out)
 
-    def _lay(self, file: BinaryIO, pings: Integers, out: Singles, bin_length: float) -> None:
-        sides = self.sides.take(pings)
-        for row in (0, 1):
-            for number in np.unique(sides.format[row, sides.format[row] != ABSENT]):
-                some, form = np.flatnonzero(sides.format[row] == number), self.formats[number]
-                samples = form.decode(_gather(file, sides.at[row, some], form.stored))
-                for reach in np.unique(sides.slant_range[row, some]):
-                    alike = sides.slant_range[row, some] == reach
-                    _put_on_grid(samples[alike], float(reach), bin_length, out[row], some[alike])
+    def _lay(self, file: BinaryIO, row: int, pings: Integers, out: Singles, bin_length: float) -> None:
+        at, formats, slant_range = (column[row, pings] for column in self.sides)
+        for number in np.unique(formats[formats != ABSENT]):
+            some, form = np.flatnonzero(formats == number), self.formats[number]
+            samples = form.decode(_gather(file, at[some], form.stored))
+            for reach in np.unique(slant_range[some]):
+                alike = slant_range[some] == reach
+                _put_on_grid(samples[alike], float(reach), bin_length, out, some[alike])
 
 
 class RecordedTrack(NamedTuple):
@@ -186,7 +186,7 @@ def warn_of_cut(path: Path, at: int, whole: int) -> None:
 
 
 def choose_band(frequencies: Mapping[int, float], wanted: float | None) -> tuple[int, dict[str, Any]]:
-    """Return the band of the wanted frequency, and attributes of it and of all where there are several; in Hz."""
+    """Return the band of the wanted frequency, with its attributes and those of all bands; in Hz."""
     band = next(iter(frequencies))
     if wanted is not None:
         band = min(frequencies, key=lambda each: abs(frequencies[each] - wanted))
@@ -364,13 +364,18 @@ def _greedy(links: Booleans) -> Integers:
     return places[(places - begins) % 2 == 0]
 
 
+def _signature(status: os.stat_result) -> tuple[int, int]:
+    return status.st_size, status.st_mtime_ns
+
+
 def assemble(
-    path: Path, formats: Iterable[SideFormat], sides: SideColumns, track: RecordedTrack, sound_speed: float
-) -> Dataset:
+    path: Path, formats: Iterable[SideFormat], sides: SideColumns, track: RecordedTrack, sound_speed: float,
+    files: Sequence[Path] = (),
+) -> Dataset:  # fmt: skip
     """Lay the pings of a recording on a common grid of slant range, with the median bin length."""
-    # Echoes stay in the file until they are needed, unless they are few.
-    status = path.stat()
-    echoes = StoredEchoes(path.absolute(), (status.st_size, status.st_mtime_ns), list(formats), sides)
+    # Echoes stay in the file, or in those of port and starboard, until they are needed, unless they are few.
+    files = [each.absolute() for each in files or (path, path)]
+    echoes = StoredEchoes(files, [_signature(each.stat()) for each in files], list(formats), sides)
     present = sides.format != ABSENT
     samples = np.array([form.samples for form in echoes.formats])[sides.format[present]]
     reaches = sides.slant_range[present]
@@ -420,7 +425,7 @@ def _gather(file: BinaryIO, at: Integers, size: int) -> Bytes:
 
 
 def _put_on_grid(samples: Singles, slant_range: float, bin_length: float, out: Singles, pings: Integers) -> None:
-    """Lay samples, (n, samples), in the rows of some pings; those of another bin length are interpolated."""
+    """Lay samples, (n, samples), in the rows of some pings; samples of another bin length are interpolated."""
     count, bins = samples.shape[1], out.shape[1]
     if abs(slant_range - count * bin_length) < 0.5 * bin_length:
         out[pings, :count] = samples[:, :bins]

@@ -151,7 +151,7 @@ def _without(rows: Integers, bad: Booleans, fault: str, name: str, columns: Colu
 
 
 def find_spikes(name: str, values: Floats, depth: Floats | None) -> Booleans:
-    """Find values far above, or far below, both the median of the rows before and that of those behind."""
+    """Find values far above, or far below, both the median of the rows before and the median of the rows behind."""
     if values.size < 2 * BESIDE:
         return np.zeros(values.size, dtype=bool)
     around = sliding_window_view(np.pad(values, BESIDE, constant_values=np.nan), 2 * BESIDE + 1)

@@ -69,7 +69,7 @@ def sector_weight(x, z, r, sector, pattern, law):
 
 @inlined_uncounted
 def sector_width(x, z, r, sector, pattern):
-    """Along-track width of a plane's sector at one place, whatever the response of the beam in it; 0 of a knife, m."""
+    """Along-track width of a plane's sector at one place, for any response of the beam in it; 0 of a knife, m."""
     if is_whole_beam(sector):
         return pattern_width(x, z, r, sector, pattern)
     if sector.tabulated or sector.angle == 0.0:

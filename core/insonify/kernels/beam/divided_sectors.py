@@ -118,7 +118,7 @@ def _find_demands(planes, bodies, corners, height):
 
 @inlined_uncounted
 def _is_demanded(planes, k, bodies, j, corners, height):
-    """Whether plane k is too wide for body j, or holds a border of it."""
+    """Whether plane k is too wide for body j, or contains a border of the body."""
     low, high = planes[k, LOW], planes[k, HIGH]
     begin, end, step = bodies[j, BEGIN], bodies[j, END], bodies[j, STEP]
     if not step < math.inf or end < low or begin > high or bodies[j, NEAREST] > planes[k, REACH] * height:

@@ -1,9 +1,9 @@
 """Division of a profile's segments, so that one incidence, one weight and one echo density serve each of the parts.
 
 A segment lies in one bilinear cell: along it the height is a parabola and the gradient across the strip of cells is
-linear. Three things may change too much along it: the incidence, where it passes a specular lobe or the vertical
-beam; the density of the echo over slant range, which is spread evenly; and the line of sight that it blocks. Derived
-in docs/theory/sweep.md.
+linear. Three things may change too much along it. One is the incidence, where it passes a specular lobe or the vertical
+beam. The others are the density of the echo over slant range, which is spread evenly, and the line of sight that it
+blocks. Derived in docs/theory/sweep.md.
 """
 
 import math

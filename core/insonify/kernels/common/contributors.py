@@ -101,7 +101,7 @@ def spread_echo(own, echo):
 
 @inlined_uncounted
 def _add_in_bin(own, k, touched, echo):
-    """Add what of an even echo lies in range bin k, if that is touched; without a branch, for which it is chance."""
+    """Add the part of an evenly spread echo that lies in bin k (branch-free: the branch is unpredictable)."""
     start, stop = max(echo.near, np.float64(k)), min(echo.far, np.float64(k) + 1.0)
     part, middle = echo.density * max(stop - start, 0.0), 0.5 * (start + stop)
     part = part if touched else NOT_TOUCHED

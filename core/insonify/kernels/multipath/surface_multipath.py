@@ -1,8 +1,8 @@
 """Echoes by way of the sea surface, by the sweep: of bed and targets, and of the surface itself.
 
 Out as from one image of the sonar and back as to another, over R and R', an echo of the area dA comes at slant range
-r = (R + R') / 2 with σ dA / (R² R'²), σ the bistatic strength between the two directions, if both images see it: each
-has its own running horizon along one and the same profile, and its own z-buffer of targets. Two orders count twice.
+r = (R + R') / 2 with σ dA / (R² R'²), if both images see it; σ is the bistatic strength between the two directions.
+Each image has its own running horizon along the same profile, and its own z-buffer of targets. Two orders count twice.
 What lies higher than the sonar hides bed and targets from an image, but not the surface from the sonar. Derived in
 docs/theory/multipath.md.
 """

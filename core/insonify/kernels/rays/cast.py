@@ -1,11 +1,10 @@
 """Cast of one side's rays, straight or along arcs: aim, launch, first hit, arrival and echo.
 
-A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
-in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m (Jensen et al.,
-Computational Ocean Acoustics, 3.3), near a caustic that of `caustics`, and the way back is the way out. So it returns
-σ dA I² = σ dΩ I / cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray
-stands for the step of slant range that its landing makes as its elevation grows. A straight ray is an arrival with
-q = x / cosθ0 = r.
+A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface. Its tube is q wide in elevation
+and x / cosθ0 across. One way its intensity is I = cosθ0 / (x |q|) of the intensity at 1 m (Jensen et al., Computational
+Ocean Acoustics, 3.3). Near a caustic `caustics` gives it. The way back is the way out. So it returns σ dA I² = σ dΩ I /
+cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray stands for the step of
+slant range that its landing makes as its elevation grows. A straight ray is an arrival with q = x / cosθ0 = r.
 """
 
 import math

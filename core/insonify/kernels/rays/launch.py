@@ -1,9 +1,10 @@
 """Launch directions of straight rays, and the angle that each stands for.
 
 On a level bed the rays of the main stratum hit at equal steps of slant range; a second stratum takes the elevations
-above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio: of a level top-hat
-over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation, of any other half evenly over
-the azimuths in the beam, half in proportion to the pattern. The beam as a cone is derived in docs/theory/beam.md.
+above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio. Rays of a level
+top-hat lie over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation. Rays of any other
+beam lie half evenly over the azimuths in the beam, half in proportion to the pattern. The beam as a cone is derived in
+docs/theory/beam.md.
 """
 
 import math

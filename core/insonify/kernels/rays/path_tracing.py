@@ -5,8 +5,8 @@ speed ratio ν, or is lost in the bed; beyond the critical angle all of it is re
 mirrors, and the side of a mesh that faces inwards from the water turns a ray but lets nothing through.
 
 The width of the tube about a path follows from two ray differentials (Igehy 1999, "Tracing ray differentials"): how its
-place and direction move per radian of its elevation at the sonar, and per radian at right angles to that. The cross
-product of the two shifts of a place is the area that a unit of solid angle covers.
+place and direction move per radian of its elevation at the sonar, and per radian at right angles. The cross product of
+the two shifts of a place is the area that a unit of solid angle covers.
 """
 
 import math

@@ -126,8 +126,8 @@ def apply_apparent_positions(table, grid, one_wide, profile, count):
     profile : Profile
         Changed: ``x``, ``z`` and ``slope`` become apparent ones, and ``area`` what keeps the area of each segment over
         its apparent ground range. ``facing`` takes the true incidence, from the angle at which sound arrives.
-        ``range_ratio`` takes x'/x at the knots, and ``gain`` what multiplies the energy that the profile would send
-        back were it where it appears: of the spreading (x'/x)²/N², there and back, and of a sector's width x/x'.
+        ``range_ratio`` takes x'/x at the knots, and ``gain`` the factor of the energy that the profile would send back
+        from its apparent place. It is (x'/x)²/N² for spreading, there and back, times x/x' for the width of a sector.
     count : int
         Knots.
     """

@@ -2,8 +2,8 @@
 
 A launch angle at which a ray grazes a node, or an end of the water, is *critical*. Between two critical angles rays
 pass the same layers in the same order, and the range at which they come to a height for the n-th time is a smooth
-function of the launch angle: rays are launched at some angles in between, and every root and extremum that
-the ranges and their exact derivatives reveal is refined.
+function of the launch angle. Rays are launched at some angles in between. Every root and extremum that the ranges and
+their exact derivatives reveal is refined.
 
 Theory: docs/theory/refraction.md.
 """

@@ -313,7 +313,7 @@ def _phase_of_beam(phases, s, r):
 
 @inlined
 def _phase_in_row(phases, row, s):
-    """Phase of one row, in turns; beyond its ends that of the ends."""
+    """Phase of one row, in turns; beyond its ends the phase of the ends."""
     last, extent = phases.turns.shape[1] - 1, phases.extent[row]
     place = min(max((s - phases.centre + extent) / (2.0 * extent), 0.0), 1.0) * last
     k = min(int(place), last - 1)

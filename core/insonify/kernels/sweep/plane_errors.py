@@ -94,7 +94,7 @@ def divide_bins(sums, arrays, height):
 
 @inlined_uncounted
 def weigh_plane(sums, arrays, height, sector, weights):
-    """Weights of a plane's sector over a level bed at the nodes, and last that of level sound."""
+    """Weights of a plane's sector over a level bed at the nodes, and last the weight of level sound."""
     height = max(height, arrays.bin_length)
     for n in range(NODES):
         r = sums.nodes[n] * arrays.bin_length
@@ -122,7 +122,7 @@ def share_planes(sums, weights):
 
 @inlined_uncounted
 def _spread_nodes(sums, values, start, end, out):
-    """Interpolate values at the nodes from a bin to another; in the water column, those of level sound."""
+    """Interpolate values at the nodes from a bin to another; in the water column, values of level sound."""
     nodes, k = sums.nodes, min(max(sums.edges[NEAR, 0], start), end)
     out[start:k] = values[NODES]
     for n in range(NODES - 1):
@@ -230,7 +230,7 @@ def _compare_planes(sums, before, middle, after):
 
 @inlined_uncounted
 def _end_piece(sums):
-    """Add the sums of the planes since the last border of a target to those of the side."""
+    """Add the sums of the planes since the last border of a target to the sums of the side."""
     for region in range(REGIONS):
         piece, shares = sums.piece[region], sums.piece[region, ALL]
         sums.sums[region, ALL] += shares
@@ -281,7 +281,7 @@ def finish_side(sums, factor, out, errors, bin_errors):
 
 @kernel_uncounted
 def _share_error(sums, region, square, factor, bin_errors):
-    """Add the square of a region's error to those of its bins, by what planes may miss in each."""
+    """Add the square of a region's error to the squares of its bins, in proportion to the echo that planes may miss."""
     part, whole = slice(sums.edges[region, 0], sums.edges[region, 1]), 0.0
     squares, scale, decay, out = sums.squares[part], sums.scale[part], factor[part], bin_errors[part]
     for k in range(out.size):
@@ -294,7 +294,7 @@ def _share_error(sums, region, square, factor, bin_errors):
 
 @kernel_uncounted
 def square_record(sums, factor, record, errors):
-    """Find by region the squares of a record over that of a level bed."""
+    """Find by region the squares of a record over the record of a level bed."""
     for region in range(REGIONS):
         part, whole = slice(sums.edges[region, 0], sums.edges[region, 1]), 0.0
         echoes, scale, decay = record[part], sums.scale[part], factor[part]

@@ -116,7 +116,7 @@ def empty_sweep_workspace(
 
 @inlined_uncounted
 def view_plane(arrays, plane, sector, reach, grid, workspace):
-    """Slice what one plane cuts, and find what of it is visible; return the cells of the z-buffer and the knots."""
+    """Slice what one plane cuts, and find its visible parts; return the cells of the z-buffer and the knots."""
     profile, echoes, zbuffer, table = workspace.profile, workspace.echoes, workspace.zbuffer, workspace.table
     # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
@@ -186,8 +186,8 @@ def sweep_pings(arrays, poses, laid, apparent, workspace, sums, out, errors, bin
     out : ndarray of float32, shape (n, 2, bins)
         Takes the intensity of both sides.
     errors : ndarray of float64, shape (n, 2, 3, 2)
-        Takes by region the squares of the error and of the record over that of a level bed; with no pings, no error is
-        estimated.
+        Takes by region the squares of the error and of the record over the record of a level bed; with no pings, no
+        error is estimated.
     bin_errors : ndarray of float32, shape (n, 2, bins)
         Takes the error of every bin as an intensity; without bins, none is found.
     """

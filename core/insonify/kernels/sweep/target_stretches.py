@@ -122,7 +122,7 @@ def sink_targets(bed, bodies, pattern, law, bin_length, sector, plane, zbuffer, 
 def sink_paired_targets(bed, higher, bodies, pattern, path, sectors, plane, zbuffer, cells, waves, rows, sink):
     """Put the stretches of targets that both images of a path see into a sink.
 
-    ``plane`` is that of the lower image; ``sectors`` weigh the plane as either image sees it.
+    ``plane`` is the plane of the lower image; ``sectors`` weigh the plane as either image sees it.
     """
     _list_targets(bed, higher, bodies, pattern, path, sectors, plane, zbuffer, cells, waves, rows, sink)
 

@@ -225,7 +225,7 @@ def _signed_distance(corner, plane):
 
 @inlined_uncounted
 def _clip_ahead(line):
-    """Cut off what of a line lies behind the sonar; return whether anything is left."""
+    """Cut off the part of a line behind the sonar; return whether anything is left."""
     if line[0] <= 0.0 and line[2] <= 0.0:
         return False
     if line[0] < 0.0:

@@ -28,7 +28,7 @@ class NoiseKind(Kind):
     Attributes
     ----------
     absolute : bool
-        Whether its level is in dB re 1 µPa whatever the source, so that a source level is needed.
+        Whether its level is in dB re 1 µPa, independent of the source, so that a source level is needed.
     advice : str
         What a scene that declares it should declare instead; empty for nothing.
     """
@@ -43,7 +43,7 @@ class NoiseKind(Kind):
 
 
 class AmbientNoise(NoiseKind, kind="ambient", rank=10):
-    """Noise of a given level in the receiver's band, whatever the pulse and the beam."""
+    """Noise of a given level in the receiver's band, independent of pulse and beam."""
 
     advice = (
         "receiver.noise 'ambient' keeps its level whatever the pulse; "

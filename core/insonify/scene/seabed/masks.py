@@ -34,7 +34,7 @@ class PatchMask(Kind, kind="patches"):
         return 1.0 / (2.0 * math.sqrt(2.0) * self.size)
 
     def density(self, narrowest: float = 0.0) -> Density:
-        """Spectral density of the field: Gaussian, the rms frequency that of waves two patches long."""
+        """Spectral density of the field: Gaussian, with the rms frequency of waves two patches long."""
         spread = max(self.spread, narrowest)  # cycles a metre
         level = 1.0 / (2.0 * math.pi * spread**2)
         return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))

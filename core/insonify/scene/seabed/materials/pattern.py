@@ -37,7 +37,7 @@ class PatternMap(CompositeMap, kind="pattern", rank=4):
     )
 
     def rows(self, frequency: float | None = None) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-        """Names and scattering parameters of the rows; those of waves are mixtures of two materials."""
+        """Names and scattering parameters of the rows; rows of waves are mixtures of two materials."""
         return graded_rows(self.of, frequency) if self.shape == "waves" else super().rows(frequency)
 
     def indices(self, cells: Cells) -> Map:

@@ -86,7 +86,7 @@ def fit_law(sediment: Sediment, frequency: float, shininess: float) -> Fit:
 
 
 def _of_interface(sediment: Sediment, frequency: float, grazing: Floats) -> Floats:
-    """Strength of the rough interface: that of first-order perturbation times the ratio of exact to first-order sums.
+    """Strength of the rough interface: first-order perturbation times the ratio of exact to first-order sums.
 
     Jackson and Richardson 2007, 13.2.
     """

@@ -1,7 +1,7 @@
 """Spectra of random relief: densities, bands about waves, and the waves of one period on a grid.
 
 A density P(f) holds for both signs of the frequency f in cycles a metre: the variance is its integral over the whole
-plane. Wave numbers are k = 2πf, so that of a density per wave number W, with the variance ∫ W d²k, P = 4π² W.
+plane. Wave numbers are k = 2πf, so a density W per wave number, with the variance ∫ W d²k, P = 4π² W.
 """
 
 import math
