@@ -59,6 +59,7 @@ class Viewer(QObject):
         self.simulator = Simulator(prepare)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
+        self.simulator.draw = self.window.waterfall.draw_rows
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.jobs = JobList(self.simulator.executor.call_later)
         self.saving = Saving(self.session, self.contacts, self.window, self.jobs)
@@ -79,14 +80,14 @@ class Viewer(QObject):
         self.seabed = SeabedController(self.simulator, self.inspection, accelerated=accelerated)
         handles, copies = self.targets.handles, self.record_menu.copies
         self.seabed_menu = SeabedMenu(self.window, self.seabed, self.inspection, handles, copies)
-        self._number, self._fine, self._refused = 0, True, -1
+        self.number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
-        self._answer: TracedPings | None = None  # the last one that fits the record
+        self.answer: TracedPings | None = None  # the last one that fits the record
         self._laid: PackedScene | None = None  # a scene that is shown before its first pings
         self._waiting = WaitingWatch()
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
-        self._marks = MarkController(self._show_point, self.simulator.executor)
+        self.marks = MarkController(self._show_point, self.simulator.executor)
         self._contrast = Contrast(self.window.waterfall, self.session)
         self._clock = QTimer(self, interval=TICK)
         self._ticked = 0.0
@@ -99,7 +100,7 @@ class Viewer(QObject):
     @property
     def complete(self) -> bool:
         """Whether record, seabed and panels show the present scene."""
-        shown = self._answer is not None and not self._missing().size
+        shown = self.answer is not None and not self.missing().size
         return shown and self.seabed.complete and self.panels.complete and plots_are_drawn(self.window)
 
     def start(self) -> None:
@@ -113,14 +114,14 @@ class Viewer(QObject):
         """Show the scene as soon as it is prepared, before the first pings are traced."""
         self._prepared = True
         if isinstance(simulation, SceneError):
-            self._refuse(self._number, describe_error(simulation))
+            self._refuse(self.number, describe_error(simulation))
             return
         self.seabed.show_sonar(simulation, self.tow.top, silence(simulation), at_once=True)
         self._ask()
 
     def _show_laid(self, number: int, packed: PackedScene) -> None:
         """Show a new bed before its first pings are traced."""
-        if number == self._number:
+        if number == self.number:
             self._laid = packed
             self._show_sonar()
 
@@ -144,6 +145,8 @@ class Viewer(QObject):
         if file and not bundled:
             self.window.settings.add_recent(file)
         self.session.open(scene, file, bundled=bundled)
+        if not self.missing().size:  # no ping of it is traced anew, for it was open already
+            self._show_top()
         self.window.say(scene.title)
 
     def _frame(self, place: tuple[float, float] | None) -> None:
@@ -280,13 +283,13 @@ class Viewer(QObject):
         traced = (scene, self.session.modelling)
         if traced != self._traced:
             self._contrast.due |= scene.sonar.law != self._traced[0].sonar.law
-            self._number += 1
+            self.number += 1
             self._traced = traced
         self._fine = settled
         self._rest.stop() if settled else self._rest.start()
         if not self._holds(scene):
             self.record = Record(pings_held(scene), scene.sonar.bins)
-            self._answer = None
+            self.answer = None
             self._show_geometry(scene)
         self.panels.scene_changed.emit(scene, settled)
         self._ask()
@@ -303,12 +306,12 @@ class Viewer(QObject):
         self._show_waiting(now)
         self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.
-        if self._answer is None or self._answer.example or self.record.blank(self.tow.top) > BEHIND:
+        if self.answer is None or self.answer.example or self.record.blank(self.tow.top) > BEHIND:
             return
         before = self.tow.newest
         if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
             alone = self.recordings.recording is None  # else the tow that pauses would stop the recording too
-            tow = self._answer.simulation, before, self.tow.newest, self.record.pings
+            tow = self.answer.simulation, before, self.tow.newest, self.record.pings
             if pause := next_pause(*tow, for_targets=alone):
                 self.tow.restart(pause.ping)
                 self.run(False)
@@ -319,31 +322,31 @@ class Viewer(QObject):
     def _show_waiting(self, now: float) -> None:
         """Show what the record waits for, and dim the rows of an earlier scene meanwhile."""
         activity = self.simulator.activity
-        if self._number == 0 and self._answer is not None and self._answer.example:
+        if self.number == 0 and self.answer is not None and self.answer.example:
             activity = activity._replace(what=f"example; {activity.what or 'kernels are being compiled'}")
         waiting = self._waiting.look(
             now,
-            number=self._number,
-            arrived=-1 if self._answer is None else self._answer.number,
-            missing=0 if self._refused == self._number else int(self._missing().size),
+            number=self.number,
+            arrived=-1 if self.answer is None else self.answer.number,
+            missing=0 if self._refused == self.number else int(self.missing().size),
             shown=len(self.record.shown(self.tow.top)),
             running=self.tow.running,
             activity=activity,
         )
-        self.window.waterfall.show_waiting(waiting, stamp_of(self._number, INTERPOLATED))
+        self.window.waterfall.show_waiting(waiting, stamp_of(self.number, INTERPOLATED))
 
-    def _missing(self) -> Integers:
+    def missing(self) -> Integers:
         """Pings on screen that are not yet traced for the present scene."""
-        return self.record.missing(self.tow.top, stamp_of(self._number, FINE if self._fine else COARSE))
+        return self.record.missing(self.tow.top, stamp_of(self.number, FINE if self._fine else COARSE))
 
     def _holds(self, scene: Scene) -> bool:
         return (self.record.pings, self.record.bins) == (pings_held(scene), scene.sonar.bins)
 
     def _ask(self) -> None:
         """Request the missing pings, unless the scene was refused."""
-        missing = self._missing()
-        if missing.size and self._prepared and self._refused != self._number:
-            request = PingRequest(self._number, self.session.scene, self.session.modelling, missing, self._fine)
+        missing = self.missing()
+        if missing.size and self._prepared and self._refused != self.number:
+            request = PingRequest(self.number, self.session.scene, self.session.modelling, missing, self._fine)
             self.simulator.ask(request)
 
     def _ask_finely(self) -> None:
@@ -356,9 +359,9 @@ class Viewer(QObject):
         scene = answer.simulation.scene
         if not self._holds(scene):
             return
-        if self._answer is None or scene is not self._answer.simulation.scene:
+        if self.answer is None or scene is not self.answer.simulation.scene:
             self._show_geometry(scene)
-        self._answer, self._laid = answer, None
+        self.answer, self._laid = answer, None
         self.targets.follow(answer.simulation)
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
@@ -368,7 +371,8 @@ class Viewer(QObject):
         place = answer.pings[some], answer.amplitude[some], answer.stamps[some], answer.altitude[some]
         rows = self.record.put(*place, error)
         self._settle_levels()
-        self.window.waterfall.show_rows(rows, answer.reach, preview=bool(answer.between.any()))
+        drawn, preview = answer.drawn if whole else None, bool(answer.between.any())
+        self.window.waterfall.show_rows(rows, answer.reach, preview=preview, drawn=drawn)
         newest = int(self.record.ping.max())  # while the tow runs, the newest ping that has arrived is on top
         self.window.waterfall.show_top(min(self.tow.top, newest) if self.tow.running else self.tow.top)
         if answer.fine:
@@ -380,19 +384,19 @@ class Viewer(QObject):
         if answer.example:
             self._show_sonar()
             return  # panels wait for the plan, which it lacks
-        current = answer.fine and answer.number == self._number
-        if self._freeing and not self._missing().size:
+        current = answer.fine and answer.number == self.number
+        if self._freeing and not self.missing().size:
             self._freeing = False
             gc.collect()  # simulations and beds refer to themselves: few objects, but many megabytes
             self.simulator.send(return_free_memory, lambda _: None)
-        self.panels.show_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
+        self.panels.show_growth(RecordGrowth(answer, self.record, current, complete=not self.missing().size))
         if not self._started:
             self._started = True
             self.window.say(scene.title)
 
     def _refuse(self, number: int, failure: Failure) -> None:
         """Return from a scene that the core refused to the one before it."""
-        if number != self._number:
+        if number != self.number:
             return
         self._refused = number
         if not self._started:
@@ -405,8 +409,8 @@ class Viewer(QObject):
 
     def _settle_levels(self) -> None:
         """Set the contrast of a newly opened scene, until its record fills the screen."""
-        if self._answer is not None:
-            self._contrast.settle(self.record, complete=not self._missing().size)
+        if self.answer is not None:
+            self._contrast.settle(self.record, complete=not self.missing().size)
 
     def _show_geometry(self, scene: Scene) -> None:
         step = scene.track.speed / scene.sonar.ping_rate
@@ -415,7 +419,7 @@ class Viewer(QObject):
 
     def _show_mark(self, mark: Mark | None) -> None:
         """Show a point of the record in views and panels."""
-        self._marks.show(mark, self._answer, self.record)
+        self.marks.show(mark, self.answer, self.record)
 
     def _show_point(self, point: MarkedPoint | None) -> None:
         self.panels.point_marked.emit(point)
@@ -427,8 +431,8 @@ class Viewer(QObject):
         top = self.window.waterfall.top
         if self._laid is not None:
             self.seabed.show_sonar(self._laid, top, silence(self._laid), at_once=True)
-        if self._laid is not None or self._answer is None:
+        if self._laid is not None or self.answer is None:
             return
         row = int(self.record.rows(np.array([top]))[0])
         tones = self.window.waterfall.tone_map.tones(self.record.amplitude[row])
-        self.seabed.show_sonar(self._answer.simulation, top, tones, at_once=self._answer.example)
+        self.seabed.show_sonar(self.answer.simulation, top, tones, at_once=self.answer.example)

@@ -108,7 +108,7 @@ def bring_to_front(window: MainWindow, panel: str) -> None:
     """Show the panel of a tab at the side."""
     for bar in window.findChildren(QTabBar):
         for index in range(bar.count()):
-            if bar.tabText(index) == window._panels[panel].title:
+            if bar.tabText(index) == window.panels[panel].title:
                 bar.setCurrentIndex(index)
 
 

@@ -2,6 +2,7 @@
 
 from itertools import product
 
+import pytest
 from controls import accessible_name, activate, assert_side_by_side, bring_to_front, controls_of, focusable, place_of
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QLabel, QLineEdit, QPushButton, QSlider, QTabBar, QWidget
@@ -16,6 +17,11 @@ from insonify_viewer.widgets.field_rows import Combo
 from insonify_viewer.window.help_dialogs import AboutDialog, KeysDialog
 from insonify_viewer.window.new_scene import NewScene
 from insonify_viewer.window.scene_menu import scene_gallery
+
+
+@pytest.fixture
+def viewer(open_viewer, small):
+    return open_viewer(small, own=True)  # with the tabs that it has at first
 
 
 def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
@@ -103,11 +109,11 @@ def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
     usual = qapp.font().pointSizeF()
     enlarge_text(qapp, 200)
     assert qapp.font().pointSizeF() == 2.0 * usual
-    viewer = open_viewer(small)
+    viewer = open_viewer(small, own=True)
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()
-    panel = window._panels["parameters"].widget
+    panel = window.panels["parameters"].widget
     names = {label.text() for label in panel.findChildren(QLabel, "name") if label.isVisible()}
     assert {"altitude", "beam width", "pulse duration"} <= names
     bar = next(bar for bar in window.findChildren(QTabBar) if bar.isVisible() and bar.count() > 2)

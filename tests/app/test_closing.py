@@ -91,7 +91,7 @@ def test_a_window_closes_at_once_during_work_of_the_simulator_a_bed_and_a_chart(
     qtbot.waitUntil(lambda: len(at_work) == 3)
     assert viewer.window.close()
     assert all(thread.is_alive() for thread in at_work)
-    assert viewer.simulator._lane._thread in at_work
+    assert viewer.simulator.lane.thread in at_work
     going.set()
 
 
@@ -121,7 +121,7 @@ def test_reports_that_wait_are_passed_on_as_one():
     job = ThreadJob("test", work, lambda *call: calls.append(call))
     job.changed.connect(lambda job: told.append(job.stage.share))
     job.start()
-    job._thread.join(60.0)
+    job.thread.join(60.0)
     assert len(calls) == 2, "one of its progress, one of its end"
     receive, result = calls[0]
     receive(result)
@@ -149,14 +149,25 @@ atexit.register(viewer.window.close)
         # PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once.
         ("from insonify_viewer.seabed.controller import load_qt_modules as load; load()", "import pyvistaqt",
          ("PySide6", "qtpy", "shiboken6")),
+        ("", "import insonify_viewer.seabed.seabed_view, pyvistaqt", ("matplotlib", "mypy")),
     ],
-    ids=["command", "window", "worker"],
+    ids=["command", "window", "worker", "view"],
 )  # fmt: skip
 def test_libraries_are_not_loaded_before_they_are_needed(before, work, libraries):
     """Neither a window by the command, kernels and three dimensions by a window, nor Qt by a worker."""
     modules = f"{{name.split('.')[0] for name in set(sys.modules) - known}} & set({libraries})"
     code = f"import sys\n{before}\nknown = set(sys.modules)\n{work}\nprint(*{modules})"
     assert run_python("-c", code, timeout=PATIENCE) == (0, "\n", "")
+
+
+def test_pyvista_imports_matplotlib_for_the_colours_of_a_map():
+    code = """
+import sys
+from insonify_viewer.seabed.lean_pyvista import pv
+assert "matplotlib" not in sys.modules
+print(pv.LookupTable("viridis", n_values=2).values.tolist(), "matplotlib" in sys.modules)
+"""
+    assert run_python("-c", code, timeout=PATIENCE) == (0, "[[68, 1, 84, 255], [253, 231, 36, 255]] True\n", "")
 
 
 class Node:
@@ -224,7 +235,7 @@ offer = CrashRecovery.offer
 def offer_and_report(recovery):
     offer(recovery)
     if sys.argv[1] == "look":
-        print("CONTACTS", recovery._contacts.all == (FISH,), recovery._contacts.unsaved, flush=True)
+        print("CONTACTS", recovery.contacts.all == (FISH,), recovery.contacts.unsaved, flush=True)
         print("READY", flush=True)
 CrashRecovery.offer = offer_and_report
 def begin(viewer):

@@ -154,7 +154,7 @@ def test_a_kept_record_stays_while_the_scene_changes_and_is_shown_by_a_key_and_b
     window.open_panel("lessons")
     bright = colour(compared)
     kinds = (QComboBox, QListWidget, QTabBar, QAbstractSlider, QAbstractButton)
-    widgets = (compared.seabed.view._canvas.widget, window.waterfall, *(in_view(window, kind) for kind in kinds))
+    widgets = (compared.seabed.view.canvas.widget, window.waterfall, *(in_view(window, kind) for kind in kinds))
     for widget in widgets:
         chosen = widget.currentIndex() if isinstance(widget, (QComboBox, QListWidget)) else None
         widget.setFocus()
@@ -182,13 +182,13 @@ def test_a_kept_record_stays_while_the_scene_changes_and_is_shown_by_a_key_and_b
         line.undo()
     # Both are named where they stand side by side.
     views = window.record_a, window.waterfall
-    assert [view._title for view in views] == ["", ""]
+    assert [view.title for view in views] == ["", ""]
     compared.comparison.arrange(Arrangement.BESIDE)
-    assert [view._title for view in views] == ["A  material diffuse 0.2", "B  material diffuse 0.4"]
+    assert [view.title for view in views] == ["A  material diffuse 0.2", "B  material diffuse 0.4"]
     compared.session.settle({"seabed.material.diffuse": 0.5})
-    assert views[1]._title == "B  material diffuse 0.5"
+    assert views[1].title == "B  material diffuse 0.5"
     compared.comparison.arrange(Arrangement.ALONE)
-    assert [view._title for view in views] == ["", ""]
+    assert [view.title for view in views] == ["", ""]
     # It has the display of B.
     window.gain.setValue(60)
     qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels)
@@ -291,15 +291,15 @@ def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linke
     compared.comparison.arrange(Arrangement.BESIDE)
     qtbot.waitUntil(beside.isVisible)
     beside.magnify(2.0)
-    assert live._zoom == beside._zoom != Zoom()
+    assert live.zoom == beside.zoom != Zoom()
     live.magnify(1.5)
-    assert live._zoom == beside._zoom
+    assert live.zoom == beside.zoom
     mark = live.mark_at(live.plot_area.center())
     assert links.find_place(live, beside, mark) == mark
     live.hovered.emit(mark)
-    assert beside._marks.cross == mark
+    assert beside.marks.cross == mark
     beside.hovered.emit(mark)
-    assert live._marks.cross == mark
+    assert live.marks.cross == mark
     beside.clicked.emit(mark)
     assert compared.inspection.mark == mark, "what is clicked in A is explained in B"
     top = live.top
@@ -308,9 +308,9 @@ def test_a_lies_left_of_a_line_that_is_dragged_is_drawn_as_a_difference_or_linke
     assert live.top == beside.top == 90 != top
     links.padlock.click()
     beside.show_zoom(Zoom())
-    assert live._zoom != Zoom()
+    assert live.zoom != Zoom()
     live.hovered.emit(None)
-    assert beside._marks.cross == mark
+    assert beside.marks.cross == mark
     # A returns with its modelling.
     shown = compared.session.scene
     compared.session.model(Modelling(0.1))
@@ -363,16 +363,16 @@ def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_
 
 def test_one_action_opens_a_pair_of_those_that_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     find_pairs.cache_clear()
-    viewer = open_viewer(small)
+    viewer = open_viewer(small, own=True)
     panel = viewer.panels["comparison"].view
-    assert not panel._pairs_menu.actions()
+    assert not panel.pairs_menu.actions()
     bring_to_front(viewer.window, "comparison")
-    qtbot.waitUntil(lambda: bool(panel._pairs_menu.actions()))
+    qtbot.waitUntil(lambda: bool(panel.pairs_menu.actions()))
     viewer.panels["comparison"].opened(True)
-    panel._pairs_menu.aboutToShow.emit()
-    actions = {action.data(): action for action in panel._pairs_menu.actions()}
+    panel.pairs_menu.aboutToShow.emit()
+    actions = {action.data(): action for action in panel.pairs_menu.actions()}
     assert sorted(actions) == ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"]
-    assert len(panel._pairs_menu.actions()) == 4
+    assert len(panel.pairs_menu.actions()) == 4
     assert not panel.partner.isEnabled()
     for name, action in actions.items():
         action.trigger()

@@ -42,7 +42,7 @@ def test_the_main_thread_never_sums_the_relief(open_viewer, qtbot, monkeypatch):
     viewer.session.point_at(Mark(30, 0, 60))
     qtbot.waitUntil(lambda: summing[-1] != "pointing")
     assert threading.main_thread().name not in summing
-    qtbot.waitUntil(lambda: viewer._marks._point is not None and viewer._marks._point.mark == Mark(30, 0, 60))
+    qtbot.waitUntil(lambda: viewer.marks._point is not None and viewer.marks._point.mark == Mark(30, 0, 60))
 
 
 def test_new_ground_is_thinned_while_a_slider_moves(open_viewer, qtbot):

@@ -99,7 +99,7 @@ def test_a_target_is_moved_and_a_shadow_explained(viewer, hand, qtbot):
     hand(QTest.keyClick, record, Qt.Key.Key_Space)
     assert not viewer.tow.running
     # The handle nearest to the middle of the record.
-    places = [record.handles.place(k) for k in range(len(viewer.targets.handles._handles))]
+    places = [record.handles.place(k) for k in range(len(viewer.targets.handles.all))]
     start = min(places, key=lambda place: (place - record.rect().center()).manhattanLength())
     hand(drag, record, start, start + QPoint(30, 20))
     assert viewer.session.history.undoable[0].endswith("moved")
@@ -108,7 +108,7 @@ def test_a_target_is_moved_and_a_shadow_explained(viewer, hand, qtbot):
     qtbot.waitUntil(lambda: viewer.complete)
     # The middle of the longest shadow on screen.
     pings = record.top - np.arange(20, viewer.record.pings // 2, 8)
-    shadow = viewer._answer.simulation.truth(pings).shadow == 1.0
+    shadow = viewer.answer.simulation.truth(pings).shadow == 1.0
     row, side = np.unravel_index(int(shadow.sum(axis=2).argmax()), shadow.shape[:2])
     bins = np.flatnonzero(shadow[row, side])
     hand(click, record, record.place_of(Mark(int(pings[row]), int(side), int(np.median(bins)))))
@@ -145,7 +145,7 @@ def test_five_steps_lead_through_the_window_back_and_out(open_viewer, small, qtb
     assert viewer.session.settle({"track.altitude": 7.0})
     # The frame follows its widget.
     qtbot.mouseClick(tour.card.next, Qt.MouseButton.LeftButton)
-    dock = viewer.window._docks.by_panel["parameters"]
+    dock = viewer.window.docks.by_panel["parameters"]
     viewer.window.resizeDocks([dock], [dock.width() + 40], Qt.Orientation.Horizontal)
     qtbot.waitUntil(lambda: tour._outline.geometry() == QRect(dock.mapTo(viewer.window, QPoint(0, 0)), dock.size()))
     viewer.window.resize(960, 600)

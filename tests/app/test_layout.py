@@ -37,7 +37,7 @@ def test_no_row_is_cut_off(name, qtbot, qapp):
     view.show_sections(sections_of(load_scene(name)))
     view.resize(ParametersView.narrowest, 900)
     view.show()
-    for box in view._sections.values():
+    for box in view.sections.values():
         box.unfold(True)
     qapp.processEvents()
     edge = view.viewport().width()
@@ -177,7 +177,7 @@ def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(o
         window.resize(width, 540)
         qtbot.waitUntil(lambda width=width: window.width() == width)
         for more in ([], [lessons], []):
-            window._buttons["lessons"].setChecked(bool(more))
+            window.buttons["lessons"].setChecked(bool(more))
             qtbot.waitUntil(lambda more=more: lessons.isVisible() == bool(more))
             qtbot.wait(100)
             assert window.width() == width
@@ -186,7 +186,7 @@ def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(o
             assert waterfall.width() >= 200
             assert window.seabed.isVisible()
     # Record and seabed keep room beside a lesson and rays.
-    views, places = window._splitter, [viewer.panels[name].widget for name in ("parameters", "lessons")]
+    views, places = window.views, [viewer.panels[name].widget for name in ("parameters", "lessons")]
     for width, height in ((1600, 1000), (1280, 800)):
         window.resize(width, height)
         for panel in ("lessons", "water"):
@@ -202,7 +202,7 @@ def test_the_record_fills_its_pane_at_each_scale_and_panels_stay_in_the_window(o
             window.trace.trigger()
             assert waterfall.trace_area() is not None, "unless the person asks for it"
         for panel in ("lessons", "water"):
-            window._buttons[panel].setChecked(False)
+            window.buttons[panel].setChecked(False)
         window.open_panel("lessons")
         # At the left of the views, where there is room.
         edge = views.x if width > 1500 else window.width
@@ -258,7 +258,7 @@ def test_tools_fit_the_window_and_stand_in_menus_with_their_keys_which_are_all_l
     assert [key for key, times in keys.items() if times > 1] == []
     activate(window, qtbot)
     qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: window._docks.by_panel["lessons"].isVisible())
+    qtbot.waitUntil(lambda: window.docks.by_panel["lessons"].isVisible())
     qtbot.keyClick(window, "?")
     qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
     pairs = listed_keys(window.findChild(KeysDialog))

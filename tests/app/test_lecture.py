@@ -19,6 +19,11 @@ from insonify_viewer.widgets.field_rows import NumberRow
 from insonify_viewer.widgets.theme import lecture_scale
 
 
+@pytest.fixture
+def viewer(open_viewer, small):
+    return open_viewer(small, own=True)  # without presets
+
+
 def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer, small, qtbot, tmp_path, monkeypatch):
     window, session = viewer.window, viewer.session
     window.open_panel("water")
@@ -28,7 +33,7 @@ def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer,
     session.settle({"track.altitude": 7.0})
     session.show(palette="grey")
     window.lecture.preset_kept.emit(2)
-    sizes = window._splitter.sizes()
+    sizes = window.views.sizes()
 
     window.lecture.action.trigger()
     window.activateWindow()
@@ -59,7 +64,7 @@ def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer,
     assert not window.lecture.action.isChecked()
     assert QApplication.overrideCursor() is None
     qtbot.waitUntil(lambda: all(dock.isVisible() for dock in docks))
-    qtbot.waitUntil(lambda: abs(window._splitter.sizes()[0] - sizes[0]) < 8)
+    qtbot.waitUntil(lambda: abs(window.views.sizes()[0] - sizes[0]) < 8)
     press(Qt.Key.Key_2)
     assert session.display.side == "port", "the keys have their usual meaning again"
     # Presets are opened and saved.
@@ -114,7 +119,7 @@ def test_presets_have_names_of_their_own_and_all_of_them_show(viewer):
         lecture.preset_kept.emit(key)
     lecture.preset_named.emit(3, "Low & slow")
     lecture.action.trigger()
-    buttons = [lecture._presets.itemAt(k).widget() for k in range(lecture._presets.count())]
+    buttons = [lecture.presets.itemAt(k).widget() for k in range(lecture.presets.count())]
     assert [button.accessibleName().partition("  ")[0] for button in buttons] == list("123456789")
     assert buttons[2].accessibleName() == "3  Low & slow"
     assert not any(a.geometry().intersects(b.geometry()) for a, b in pairwise(buttons))

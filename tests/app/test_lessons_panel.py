@@ -91,7 +91,7 @@ def open_lessons(open_viewer, small, qtbot, monkeypatch):
     def open_panel(*offered: Lesson, started: bool = False) -> tuple[Any, Any]:
         if offered:
             monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: offered)
-        viewer = open_viewer(small)
+        viewer = open_viewer(small, own=bool(offered))
         viewer.window.open_panel("lessons")
         panel = viewer.panels["lessons"]
         qtbot.waitUntil(panel.view.isVisible)
@@ -103,7 +103,7 @@ def open_lessons(open_viewer, small, qtbot, monkeypatch):
 
 
 def lit_rows(viewer) -> set[str]:
-    boxes = viewer.panels["parameters"].view._sections.values()
+    boxes = viewer.panels["parameters"].view.sections.values()
     return {path for box in boxes for path, row in box.rows.items() if row.label.property("lit")}
 
 
@@ -117,7 +117,7 @@ def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(ope
     assert not page.next.property("lit")
     assert not page.back.isEnabled()
     assert (session.scene.controls, session.display.scale, viewer.tow.running) == (("sonar.range",), "true", False)
-    camera = viewer.seabed.view._canvas.plotter.camera
+    camera = viewer.seabed.view.canvas.plotter.camera
     qtbot.waitUntil(lambda: camera.focal_point == pytest.approx((20.0, -30.0, 0.0), abs=1e-6))  # it glides there
 
     assert page.question.isVisible()
@@ -138,7 +138,7 @@ def test_a_lesson_from_its_first_step_to_its_last_and_back_lights_its_fields(ope
     page.next.click()
     assert page.step.text() == "2 of 3: Accept an error"
     assert lit_rows(viewer) == set()
-    tolerance = viewer.panels["plan"].view._tolerance.label
+    tolerance = viewer.panels["plan"].view.tolerance.label
     assert tolerance.property("lit")
     assert not tolerance.visibleRegion().isEmpty(), "the panel of the plan is in front"
     assert not page.answer.isVisible()

@@ -83,23 +83,23 @@ def test_settings_survive_nonsense_and_a_gain_that_is_dragged_writes_no_file(mon
     settings = Settings()
     assert (settings.theme, settings.size, settings.recent) == (Theme.SYSTEM, 100, [])
     for name, value in (("theme", "pink"), ("size", "-3"), ("recent", 7), ("geometry", "wide")):
-        settings._store.setValue(name, value)
+        settings.store.setValue(name, value)
     assert (settings.theme, settings.size) == (Theme.SYSTEM, 100)
     assert settings.geometry.isEmpty()
     assert isinstance(settings.recent, list)
     for spoilt in ("palette=none-such", 7, ["range_lines=3"], "levels=[0, 1]", "pings"):
-        settings._store.setValue("display", spoilt)
+        settings.store.setValue("display", spoilt)
         assert Settings().display == {}, "the usual one"
     settings.size, settings.theme = 150, Theme.LIGHT
     assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
-    monkeypatch.setattr(settings._store, "setValue", Mock())
+    monkeypatch.setattr(settings.store, "setValue", Mock())
     for gain in (1.0, 2.0, 3.0):
         settings.keep_display(DisplayOptions(gain=gain))
-    settings._store.setValue.assert_not_called()
+    settings.store.setValue.assert_not_called()
 
 
 def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(open_viewer, small, qtbot):
-    first = open_viewer(small)
+    first = open_viewer(small, own=True)
     keep_place(first)
     keep_display(first)
     first.window.resize(1000, 620)
@@ -111,7 +111,7 @@ def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(o
     choose(first.window.palettes, "grey")
     first.session.show(gain=6.0, levels=(0.1, 4.0))
     first.window.close()
-    second = open_viewer(small)
+    second = open_viewer(small, own=True)
     keep_place(second)
     qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
     assert second.session.display == DisplayOptions(), "a snapshot shows the usual display"

@@ -74,19 +74,19 @@ def test_the_path_begins_where_the_tow_does():
 def test_fish_and_camera_follow_a_turn(open_viewer, small):
     viewer = open_viewer(edit(small, {"track.motion": {"kind": "sum", "of": [TURN, YAWED]}}))
     view = viewer.seabed.view
-    matrix = np.array(view._fish_actor.user_matrix)
+    matrix = np.array(view.fish_actor.user_matrix)
     # The line has turned by 90 degrees, the fish lies 20 degrees to port of it.
     assert math.degrees(math.atan2(matrix[1, 0], matrix[0, 0])) == pytest.approx(110.0)
     assert math.degrees(_looks(view)) == pytest.approx(90.0, abs=15.0)
     before = _looks(view)
     silence = np.zeros(2 * small.sonar.bins, dtype=np.float32)
-    viewer.seabed.show_sonar(viewer._answer.simulation, 0, silence)
+    viewer.seabed.show_sonar(viewer.answer.simulation, 0, silence)
     assert math.degrees(before - _looks(view)) == pytest.approx(90.0)
 
 
 def _looks(view) -> float:
     """Direction in which the camera looks, in radians."""
-    camera = view._canvas.plotter.camera
+    camera = view.canvas.plotter.camera
     ahead = np.array(camera.focal_point) - camera.position
     return math.atan2(ahead[1], ahead[0])
 
@@ -94,9 +94,9 @@ def _looks(view) -> float:
 def test_the_camera_is_reset_and_kept_within_its_limits_and_a_slider_moves_the_fish_once_a_drawing(viewer, qtbot):
     view = viewer.seabed.view
     view.eases = False
-    camera = view._canvas.plotter.camera
+    camera = view.canvas.plotter.camera
     home, focus = np.array(camera.position), np.array(camera.focal_point)
-    reach = view._reach
+    reach = view.reach
     for distance, kept in ((1e-4 * reach, NEAREST * reach), (1e3 * reach, FARTHEST * reach), (reach, reach)):
         camera.position = tuple(focus + (home - focus) / np.linalg.norm(home - focus) * distance)
         view._clip()
@@ -124,10 +124,10 @@ def test_the_camera_is_reset_and_kept_within_its_limits_and_a_slider_moves_the_f
         assert np.isfinite(camera.position).all(), name
         assert camera.distance > 0.1, name
     view.reset_camera()
-    view._follow(view._pose, view._heading, view._reach)
+    view._follow(view.pose, view._heading, view.reach)
     assert camera.position == pytest.approx(home)
     # Otherwise Mesa's software renderer may loop over the texels of one pixel for minutes, and the window hangs.
-    textures = [actor.GetTexture() for actor in view._canvas.plotter.actors.values() if hasattr(actor, "GetTexture")]
+    textures = [actor.GetTexture() for actor in view.canvas.plotter.actors.values() if hasattr(actor, "GetTexture")]
     assert [one.GetMaximumAnisotropicFiltering() for one in textures if one is not None] == [1.0, 1.0]
     # A slider moves the fish once for each drawing.
     places = []
@@ -136,11 +136,11 @@ def test_the_camera_is_reset_and_kept_within_its_limits_and_a_slider_moves_the_f
     view.draw_now()
     for altitude in (8.0, 9.0, 11.0):
         viewer.session.drag({"track.altitude": altitude})
-        qtbot.waitUntil(lambda: not viewer._missing().size)
+        qtbot.waitUntil(lambda: not viewer.missing().size)
     places.clear()
     # A slow machine may have traced finely meanwhile, which moves it at once.
     for _ in range(2):
-        viewer._take(replace(viewer._answer, fine=False))
+        viewer._take(replace(viewer.answer, fine=False))
     assert not places
     view.draw_now()
     assert len(places) == 1
@@ -156,17 +156,17 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_and_the_wheel_zooms_about_the
     view, seabed = viewer.seabed.view, viewer.seabed
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
-    canvas, camera = view._canvas.widget, view._canvas.plotter.camera
-    bed = seabed._patch
-    whole = np.asarray(view._bed.points).reshape(MESH_NODES, MESH_NODES, 3)
-    thinned = np.asarray(view._thinned_bed.points)
+    canvas, camera = view.canvas.widget, view.canvas.plotter.camera
+    bed = seabed.patch
+    whole = np.asarray(view.bed.points).reshape(MESH_NODES, MESH_NODES, 3)
+    thinned = np.asarray(view.thinned_bed.points)
     assert thinned.reshape(129, 129, 3) == pytest.approx(whole[::2, ::2])
     assert np.ptp(thinned[:, :2], axis=0) == pytest.approx(np.ptp(whole[..., :2], axis=(0, 1)))  # as far as the whole
     middle = view.rect().center()
     assert _drawn_beds(view) == (True, False)
     QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=middle)
     assert _drawn_beds(view) == (False, True)
-    view.show_bed(bed_patch(viewer._answer.simulation.ground, (5.0, 0.0), view._reach))
+    view.show_bed(bed_patch(viewer.answer.simulation.ground, (5.0, 0.0), view.reach))
     assert _drawn_beds(view) == (False, True), "another bed does not end the turn"
     QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=middle)
     assert _drawn_beds(view) == (True, False)
@@ -175,24 +175,24 @@ def test_a_view_that_is_turned_draws_a_lighter_bed_and_the_wheel_zooms_about_the
     canvas.setMaximumSize(320, 240)  # a small picture is drawn in less time
     qtbot.waitUntil(lambda: canvas.width() == 320)
     mouse = QPoint(100, 150)
-    place = np.array(seabed._meet(*view._look_from(mouse)))
+    place = np.array(seabed.meet(*view.look_from(mouse)))
     before = np.linalg.norm(np.array(camera.position) - place)
     turn_wheel(canvas, mouse, 2)
     assert np.linalg.norm(np.array(camera.position) - place) == pytest.approx(before / CLOSER**2)
-    assert seabed._meet(*view._look_from(mouse)) == pytest.approx(place, abs=1e-3 * view._reach)
+    assert seabed.meet(*view.look_from(mouse)) == pytest.approx(place, abs=1e-3 * view.reach)
     turn_wheel(canvas, mouse, -2)
     assert np.linalg.norm(np.array(camera.position) - place) == pytest.approx(before)
     for notches in (1, -1):
         for _ in range(120):
             turn_wheel(canvas, mouse, notches)
         x, y, z = camera.position
-        clearance = z - viewer._answer.simulation.ground.height_at(np.array([x]), np.array([y]))[0]
-        assert clearance > 0.01 * view._reach
-        assert 0.99 * NEAREST * view._reach < camera.distance < 1.01 * FARTHEST * view._reach
-    assert camera.distance == pytest.approx(FARTHEST * view._reach, rel=0.01)
+        clearance = z - viewer.answer.simulation.ground.height_at(np.array([x]), np.array([y]))[0]
+        assert clearance > 0.01 * view.reach
+        assert 0.99 * NEAREST * view.reach < camera.distance < 1.01 * FARTHEST * view.reach
+    assert camera.distance == pytest.approx(FARTHEST * view.reach, rel=0.01)
     turn_wheel(canvas, QPoint(100, 2), 1)  # over open water
-    assert camera.distance == pytest.approx(FARTHEST * view._reach / CLOSER, rel=0.01)
+    assert camera.distance == pytest.approx(FARTHEST * view.reach / CLOSER, rel=0.01)
 
 
 def _drawn_beds(view) -> tuple[bool, bool]:
-    return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)
+    return bool(view.bed_actor.visibility), bool(view.thinned_actor.visibility)

@@ -140,9 +140,9 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
 
     monkeypatch.setattr(registry, "beam_curve", watched)
     peaked = edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
-    viewer = open_viewer(peaked)
+    viewer = open_viewer(peaked, own=True)
     panel = viewer.panels["parameters"].widget
-    picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one._draws)
+    picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one.draws)
     panel.ensureWidgetVisible(picture, 0, 0)
     qtbot.waitUntil(lambda: bool(picture.curves))
     assert picture.curves[0].note.startswith("−3 dB: 1°")

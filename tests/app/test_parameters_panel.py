@@ -61,8 +61,8 @@ def test_three_to_six_controls_are_pinned_and_every_link_leads_there_and_back(na
 def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(viewer, qtbot):
     view = panel(viewer).view
     row = view.row("track.altitude")
-    assert row is view._sections["controls"].rows["track.altitude"]
-    other = view._sections["track"].rows["track.altitude"]
+    assert row is view.sections["controls"].rows["track.altitude"]
+    other = view.sections["track"].rows["track.altitude"]
     assert row.label.mapTo(view.widget(), QPoint()).y() < other.label.mapTo(view.widget(), QPoint()).y()
     move_slider(row.slider, 100).setSliderDown(False)
     assert viewer.session.scene.track.altitude == pytest.approx(4.8, abs=0.05)  # a tenth of 2 to 30 m
@@ -70,7 +70,7 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     assert other.slider.value() == 100
     assert other.field.text() == row.field.text()
     # Rare fields are folded until they are asked for.
-    box = view._sections["sonar"]
+    box = view.sections["sonar"]
     squint = box.rows["sonar.beam.squint"]
     assert not squint.slider.isVisible()
     assert box.rows["sonar.beam.width"].slider.isVisible()
@@ -78,15 +78,15 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     QTest.mouseClick(box.more, Qt.MouseButton.LeftButton)
     assert squint.slider.isVisible()
     viewer.session.settle({"sonar.beam.kind": "gaussian"})  # another set of rows
-    qtbot.waitUntil(view._sections["sonar"].rows["sonar.beam.squint"].slider.isVisible)  # it stays open
-    view._sections["track"].more.setChecked(False)
+    qtbot.waitUntil(view.sections["sonar"].rows["sonar.beam.squint"].slider.isVisible)  # it stays open
+    view.sections["track"].more.setChecked(False)
     view.light(("track.start.0",))
-    assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
+    assert view.sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
     # A target is duplicated and locked.
     session = viewer.session
 
     def press(key, name):
-        button = view._sections[key].findChild(QToolButton, name)
+        button = view.sections[key].findChild(QToolButton, name)
         view.ensureWidgetVisible(button)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
@@ -106,9 +106,9 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     shortcut.activated.emit()  # without a window manager no key comes here
     assert viewer.window.focusWidget() is view.search
     QTest.keyClicks(view.search, "beam wid")
-    found = view._found
+    found = view.found
     assert [next(iter(found.rows)), found.rows["sonar.beam.width"].label.text()] == ["sonar.beam.width", "beam width"]
-    assert not view._sections["sonar"].isVisible()
+    assert not view.sections["sonar"].isVisible()
     assert not view.effects.isVisible()
     field = found.rows["sonar.beam.width"].field
     QTest.mouseDClick(field, Qt.MouseButton.LeftButton)
@@ -117,12 +117,12 @@ def test_rows_are_pinned_on_top_folded_duplicated_locked_and_found_by_words(view
     assert viewer.session.scene.sonar.beam.width == 3.0
     view.search.setFocus()
     QTest.keyClicks(view.search, " zzz")
-    assert view._found.rows == {}
+    assert view.found.rows == {}
     QTest.keyClick(viewer.window.waterfall, Qt.Key.Key_Escape)
     assert view.search.text().endswith(" zzz"), "Escape elsewhere is not meant for the search"
     view.search.findChild(QShortcut).activated.emit()  # Escape
-    assert view._found is None
-    assert view._sections["sonar"].isVisible()
+    assert view.found is None
+    assert view.sections["sonar"].isVisible()
 
 
 def test_a_link_moves_its_control_in_sight_and_an_effect_comes_back_as_it_was(open_viewer, small, qtbot, monkeypatch):
@@ -298,12 +298,12 @@ def test_undo_says_what_it_undoes_and_values_are_reset_by_their_names_and_sectio
     assert session.history.undoable[0] == "altitude reset"
     assert not row.label.property("changed")
     session.undo(3)
-    assert not view._sections["sonar"]._reset.isVisible()
+    assert not view.sections["sonar"].reset.isVisible()
     for changes in ({"sonar.beam": {"kind": "gaussian", "width": 4.0}}, {"sonar.range": 40.0}, {"track.altitude": 8.0}):
         session.settle(changes)
-    qtbot.waitUntil(view._sections["sonar"]._reset.isVisible)
-    view.ensureWidgetVisible(view._sections["sonar"]._reset)
-    QTest.mouseClick(view._sections["sonar"]._reset, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(view.sections["sonar"].reset.isVisible)
+    view.ensureWidgetVisible(view.sections["sonar"].reset)
+    QTest.mouseClick(view.sections["sonar"].reset, Qt.MouseButton.LeftButton)
     assert (session.scene.sonar, session.scene.track.altitude) == (small.sonar, 8.0)
     session.undo()
     assert session.scene.sonar.beam.kind == "gaussian", "one step"
@@ -345,7 +345,7 @@ def test_nothing_is_shown_as_a_window_of_its_own(open_viewer, small, qapp):
         return isinstance(watched, QWidget) and watched.parent() is None
 
     with watched_events(qapp, QEvent.Type.Show, has_no_parent) as shown:
-        viewer = open_viewer(small)
+        viewer = open_viewer(small, own=True)
         viewer.session.settle({"sonar.beam.kind": "array"})
         panel(viewer).view.search.setText("beam")
         viewer.session.settle({"sonar.beam.kind": "knife"})
@@ -360,8 +360,8 @@ def test_rows_are_built_section_by_section(qtbot, monkeypatch):
     qtbot.addWidget(view)
     view.show_sections(sections_of(load_scene("wreck")))
     view.show()
-    boxes = view._sections
-    assert sum(box._built for box in boxes.values()) == 1, "the others wait for their turn"
+    boxes = view.sections
+    assert sum(box.built for box in boxes.values()) == 1, "the others wait for their turn"
     assert view.row("track.altitude").label.text() == "altitude", "unless a row is asked for"
     qtbot.waitUntil(lambda: not any(box.waits for box in boxes.values()))
     assert not any(path.startswith(("targets", "water", "receiver")) for path in built), "what is folded waits for that"
@@ -372,7 +372,7 @@ def test_rows_are_built_section_by_section(qtbot, monkeypatch):
     view._lit = ("water.sound_speed",)
     view._light_rows()
     box = next(box for box in boxes.values() if box.holds("water.sound_speed"))
-    assert not box._built
+    assert not box.built
     label = box.rows["water.sound_speed"].label
     assert label.property("changed")
     assert label.property("lit")

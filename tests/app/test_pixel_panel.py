@@ -92,10 +92,10 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     assert len(terms) == 7
     assert sum(terms) == pytest.approx(total, abs=0.05)
     assert rows["bed, medium sand"] == "100.0 %"
-    recorded = viewer._answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
+    recorded = viewer.answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
     assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
     # Its error is the one that is shown under the mouse.
-    errors = find_bin_errors(viewer._answer.simulation, np.array([mark.ping]))
+    errors = find_bin_errors(viewer.answer.simulation, np.array([mark.ping]))
     assert rows["of this bin"] == format_share(errors[0, mark.side, mark.bin])
     waterfall.hovered.emit(mark)
     shown = viewer.panels["error"].widget
@@ -107,12 +107,12 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
     assert "in the shadow of pipe 1" in view.summary.text()
     assert budget(viewer)["pipe 1"] == "100.0 %"
     assert budget(viewer)["pixel"] == "no echo"
-    shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
+    shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view.sound.actors.items()}
     assert shown == {"rays": False, "blocked": True, "echoing": False, "hidden": True}
     click(viewer, PIPE, qtbot)
     assert "right because the sound meets the steel of pipe 1 at" in sentence.text()
     assert "pipe 1" in view.summary.text()
-    actors = viewer.seabed.view._sound.actors
+    actors = viewer.seabed.view.sound.actors
     assert actors["rays"].visibility
     assert actors["echoing"].visibility
     rays = pv.wrap(actors["rays"].mapper.GetInput())
@@ -122,7 +122,7 @@ def test_a_click_alone_pins_a_pixel_whose_terms_add_up_and_explains_a_shadow(vie
 
 def project(viewer, place: tuple[float, float, float]) -> tuple[float, float]:
     """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
-    renderer = viewer.seabed.view._canvas.plotter.renderer
+    renderer = viewer.seabed.view.canvas.plotter.renderer
     viewer.seabed.draw_now()
     renderer.SetWorldPoint(*place, 1.0)
     renderer.WorldToDisplay()
@@ -142,19 +142,19 @@ def test_the_pinned_pixel_is_ringed_cut_across_and_let_go_of_and_a_click_in_thre
     for name in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
         assert any(is_like(colour, name) for colour in seen), name
     # So is that of a fish below the bed, as of one that is towed at a depth beside a slope.
-    explanation, cut = section._shown
+    explanation, cut = section.shown
     for raised in (50.0, 1e12):
         section.show_section(explanation, replace(cut, bed=np.add(cut.bed, [0.0, raised])))
         section.draw_now()
-        low, high = heights_shown(section._shown[1], surfaced=False)
+        low, high = heights_shown(section.shown[1], surfaced=False)
         assert low < float(cut.sonar.place[2]) < high
         section.grab()  # an exception would fail the test
     QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
     assert viewer.inspection.mark is None
-    assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
+    assert not any(actor.visibility for actor in viewer.seabed.view.sound.actors.values())
     assert rows_of(viewer.panels["pixel"].view.budget) == []
     # The readout tells the truth of the core.
-    labels = viewer._answer.simulation.truth(np.array([40]))
+    labels = viewer.answer.simulation.truth(np.array([40]))
     for words, found in (("pipe 1", labels.target_id == 0), ("shadow of pipe 1", labels.shadow > 0.9)):
         _, side, range_bin = np.argwhere(found)[0]
         waterfall.hovered.emit(Mark(40, int(side), int(range_bin)))
@@ -225,7 +225,7 @@ def test_rays_and_budget_share_their_room_and_a_small_window_stays_usable_and_el
 def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(open_viewer, small, qtbot, monkeypatch):
     compiled = []
     monkeypatch.setattr(compilation, "compile_explanations", lambda simulation: compiled.append(simulation.scene))
-    viewer = open_viewer(small)
+    viewer = open_viewer(small, own=True)
     qtbot.waitUntil(lambda: compiled == [small])
     assert viewer.inspection.mark is None, "before anything is clicked"
     assert viewer.session.settle({"track.altitude": 8.0})

@@ -62,7 +62,7 @@ def test_forced_choices_are_undone_with_the_scenes_and_a_drag_keeps_what_is_left
 
 def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_is_let_go(open_viewer, small, qtbot):
     viewer = open_viewer(edit(small, {"water": BENT}))
-    view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
+    view, plan = viewer.panels["plan"].view, viewer.answer.simulation.plan
     assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.groups[True].lines)
     assert "bending" in view.groups[True].lines
     pick(viewer, qtbot, "bending", "off")
@@ -75,10 +75,10 @@ def test_every_entry_has_a_line_in_its_group_and_the_tolerance_is_final_when_it_
     assert viewer.session.modelling == Modelling()
     # The tolerance is final when it is let go.
     finish(viewer, qtbot, viewer.open, small)
-    slider = move_slider(viewer.panels["plan"].view._tolerance.slider, 1000)
+    slider = move_slider(viewer.panels["plan"].view.tolerance.slider, 1000)
     assert viewer.session.modelling.tolerance == 0.03
     finish(viewer, qtbot, slider.setSliderDown, False)
-    assert viewer.session.modelling.tolerance == viewer._answer.simulation.tolerance == 0.5
+    assert viewer.session.modelling.tolerance == viewer.answer.simulation.tolerance == 0.5
     # What cannot be done is said and taken back.
     finish(viewer, qtbot, viewer.open, edit(small, {"receiver.speckle": "coherent"}))
     before = viewer.session.modelling
@@ -91,9 +91,9 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(op
     scene = edit(small, {"track.pings": 32})
     viewer = open_viewer(scene, prepare=prepare)
     pings = np.arange(32, dtype=np.int64)
-    before = viewer._answer.simulation.intensity(pings)
+    before = viewer.answer.simulation.intensity(pings)
     pick(viewer, qtbot, "planes", "2")
-    after = viewer._answer.simulation.intensity(pings)
+    after = viewer.answer.simulation.intensity(pings)
     assert (after != before).any()
     said = viewer.window.status.sentence.text()
     assert said.startswith("planes 2: changes the record by")
@@ -171,12 +171,15 @@ def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window,
     loud = next(row for row in rows if row.method == "rays")
     plot = view.picture.plots[loud.targets]
     qtbot.waitUntil(lambda: plot.area.contains(plot.place_of(*place_of_row(loud))))
+    top = plot.canvas.getAxis("top")
+    assert (top.isVisible(), top.labelText) == (True, "512 pings"), "a whole record takes that much longer"
+    assert any("tolerance 3 %" in getattr(item, "toPlainText", str)() for item in plot.canvas.items())
     qtbot.mouseClick(plot.surface, Qt.MouseButton.LeftButton, pos=plot.place_of(*place_of_row(loud)))
-    qtbot.waitUntil(lambda: bool(view._numbers.text()))
-    assert "error 10 % beyond" in view._numbers.text()
-    assert "energy +10 %" in view._numbers.text()
-    assert view._strips.isVisible()
-    qtbot.waitUntil(lambda: np.unique(colours_of(view._strips.grab().toImage())[::5, ::5]).size > 4)
+    qtbot.waitUntil(lambda: bool(view.numbers.text()))
+    assert "error 10 % beyond" in view.numbers.text()
+    assert "energy +10 %" in view.numbers.text()
+    assert view.strips.isVisible()
+    qtbot.waitUntil(lambda: np.unique(colours_of(view.strips.grab().toImage())[::5, ::5]).size > 4)
     # Points are stepped through by keys.
     panel = window.panels["chart"]
     picked = []
@@ -188,12 +191,12 @@ def test_a_click_on_a_point_shows_its_record_and_keys_lead_to_the_others(window,
     # The chart is saved.
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "saved" in view._sentence.text())
+    qtbot.waitUntil(lambda: "saved" in view.sentence.text())
     assert "1,000 rays" in (tmp_path / "c.csv").read_text()
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
     view.save.click()
-    qtbot.waitUntil(lambda: "saved" not in view._sentence.text())
-    assert ".png" in view._sentence.text()
+    qtbot.waitUntil(lambda: "saved" not in view.sentence.text())
+    assert ".png" in view.sentence.text()
 
 
 def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_the_window_closes(window, qtbot):
@@ -217,10 +220,10 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
     job = window.jobs.running[0]
     assert job.title == f"chart of {window.session.scene.title}"
     assert window.window.jobs.isVisible()
-    qtbot.waitUntil(lambda: "left: measuring" in view._sentence.text())
+    qtbot.waitUntil(lambda: "left: measuring" in view.sentence.text())
     view.stop.click()
     qtbot.waitUntil(lambda: not window.panels["chart"].busy)
-    assert view._sentence.text() == "stopped"
+    assert view.sentence.text() == "stopped"
     assert job.state is State.STOPPED
     assert view.measure.isEnabled()
 
@@ -237,7 +240,7 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
     row.stop.click()
     qtbot.waitUntil(lambda: not window.panels["chart"].busy)
     assert not row.show_result.isVisible(), "a chart in a window is no file"
-    assert window.panels["chart"].view._sentence.text() == "stopped"
+    assert window.panels["chart"].view.sentence.text() == "stopped"
     # What cannot be charted is said.
 
     def refuse(scene, progress):
@@ -245,7 +248,7 @@ def test_the_window_lives_while_it_is_measured_until_that_is_stopped_fails_or_th
 
     window.panels["chart"].measure = refuse
     measure(window, qtbot)
-    assert "too few" in window.panels["chart"].view._sentence.text()
+    assert "too few" in window.panels["chart"].view.sentence.text()
     # A viewer that is closed meanwhile leaves no thread.
     window.panels["chart"].measure = endless
     window.panels["chart"].view.measure.click()

@@ -17,6 +17,11 @@ Key, Modifier = Qt.Key, Qt.KeyboardModifier
 
 
 @pytest.fixture
+def viewer(open_viewer, small):
+    return open_viewer(small, own=True)  # with the cursor where it is at first
+
+
+@pytest.fixture
 def focused(viewer, qtbot):
     """A viewer that is paused at ping 500, whose record has the keyboard."""
     activate(viewer.window, qtbot)
@@ -81,7 +86,7 @@ def test_keys_look_back_in_the_direction_of_the_wheel_and_bring_every_ping_and_b
     for _ in range(120):
         mark = press(viewer, Key.Key_Right)
     assert mark == Mark(450, 1, 99), "at the edge of the record"
-    assert viewer.window.waterfall._marks.cross == mark
+    assert viewer.window.waterfall.marks.cross == mark
     # It stays at its bin when the record is zoomed.
     view = viewer.window.waterfall
     point(viewer, Mark(440, 1, 3))
@@ -97,7 +102,7 @@ def test_keys_look_back_in_the_direction_of_the_wheel_and_bring_every_ping_and_b
     point(viewer, Mark(470, 1, 40))
     before = view.place_of(Mark(470, 1, 40))
     press(viewer, Key.Key_Plus)
-    assert view._zoom != Zoom()
+    assert view.zoom != Zoom()
     assert (view.place_of(Mark(470, 1, 40)) - before).manhattanLength() <= 4
     press(viewer, Key.Key_0)
     assert view.projection.zoom.whole
@@ -115,7 +120,7 @@ def test_a_pixel_at_the_cursor_that_tab_shows_is_pinned_marked_and_measured_from
     mark = press(viewer, Key.Key_Right)
     press(viewer, Key.Key_Return)
     assert viewer.inspection.mark == mark == Mark(450, 1, 61)
-    assert viewer.window.waterfall._marks.pin == mark
+    assert viewer.window.waterfall.marks.pin == mark
     assert viewer.panels["pixel"].view.isVisible(), "it is explained"
     assert QApplication.focusWidget() is viewer.window.waterfall
     press(viewer, Key.Key_Enter, Modifier.KeypadModifier)
@@ -181,14 +186,14 @@ def test_keys_move_the_wipe_line_and_the_cursor_of_a_kept_record_beside_the_live
     qtbot.waitUntil(view.isVisible)
     view.setFocus()
     QTest.keyClick(view, Key.Key_Right)
-    cross = view._marks.cross
+    cross = view.marks.cross
     assert cross is not None
     QTest.keyClick(view, Key.Key_Right)
-    assert view._marks.cross == Mark(cross.ping, 1, cross.bin + 1)
+    assert view.marks.cross == Mark(cross.ping, 1, cross.bin + 1)
     assert view.accessibleName().startswith("Record A ")
     QTest.keyClick(view, Key.Key_C)
     (contact,) = viewer.panels["record"].contacts.all
-    assert mark_of(contact) == view._marks.cross
+    assert mark_of(contact) == view.marks.cross
 
 
 def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(viewer, qtbot):
@@ -198,7 +203,7 @@ def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(v
     assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
     assert "Space" in window.pause.toolTip()
     # The handle brings the fish abeam of the pipe.
-    waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
+    waterfall, handle = viewer.window.waterfall, viewer.window.waterfall.handle
     viewer.run(True)
     qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127)
     QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=handle.place_of(waterfall.top).toPoint())
@@ -210,7 +215,7 @@ def test_the_button_the_wheel_and_the_handle_go_along_the_tow_and_sentences_go(v
     assert not handle.held
     assert waterfall.top == pytest.approx(60, abs=1)
     qtbot.waitUntil(lambda: viewer.complete)
-    assert viewer.seabed.view._fish_actor.user_matrix[0, 3] == pytest.approx(0.2 * waterfall.top)
+    assert viewer.seabed.view.fish_actor.user_matrix[0, 3] == pytest.approx(0.2 * waterfall.top)
     assert picture_of(waterfall).shape[0] == waterfall.top + 1
     shown = waterfall.top
     viewer.run(True)
@@ -248,15 +253,15 @@ def test_rows_below_ping_0_are_empty_old_pings_traced_again_and_the_scroll_bar_r
     finish(viewer, qtbot, viewer.go_to, 127)
     assert (waterfall.image.pixels == whole).all()
     # The scroll bar shows every ping.
-    known = np.flatnonzero(np.isfinite(view.overview._columns[:, 0]))
+    known = np.flatnonzero(np.isfinite(view.overview.columns[:, 0]))
     assert known.size == small.track.pings
-    strip = view.overview.draw(view._handle.room, view._handle.last, view.tone_map)
-    assert (strip.width(), strip.height()) == (view.overview._columns.shape[1], view._handle.room)
+    strip = view.overview.draw(view.handle.room, view.handle.last, view.tone_map)
+    assert (strip.width(), strip.height()) == (view.overview.columns.shape[1], view.handle.room)
     assert strip.pixel(2, 5) != EMPTY
     viewer.record.stamp[:4] += 3
     view.show_rows(np.arange(4))
-    assert np.isfinite(view.overview._columns[:, 0]).sum() == 4, "a new edit begins anew"
-    handle = view._handle
+    assert np.isfinite(view.overview.columns[:, 0]).sum() == 4, "a new edit begins anew"
+    handle = view.handle
     handle.last = 127
     assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
     # Looking back traces the old pings again.

@@ -22,6 +22,7 @@ from insonify_viewer.record.projection import Projection, Zoom, project_record, 
 from insonify_viewer.record.record import Record
 from insonify_viewer.record.record_image import EMPTY, blur_along_track
 from insonify_viewer.record.tone_map import make_tone_map
+from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.history import Modelling
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import (
@@ -139,6 +140,35 @@ def test_colours_linear_in_decibels_and_reversed():
     assert colour_table(np.zeros((256, 3), np.uint8))[0] == 0xFF000000
 
 
+@pytest.mark.parametrize(
+    "options", [{}, {"ground_range": True}, {"side": "port", "side_gains": (3.0, -3.0)}, {"decibels": True}]
+)
+def test_rows_drawn_beside_the_window_are_those_that_it_draws_and_others_are_left(qtbot, record, options):
+    view, pings, rng = WaterfallView(), np.arange(PINGS), np.random.default_rng(3)
+    qtbot.addWidget(view)
+    view.resize(400, 400)
+    view.show_record(record, RANGE, 0.1)
+    view.show_top(PINGS - 1)
+    view.show_display(DisplayOptions(**options))
+    amplitude, reach = rng.rayleigh(1.0, (PINGS, 2, BINS)).astype(np.float32), np.linspace(0.5, 6.0, BINS)
+    altitude = record.altitude_of(pings)
+    drawn = view.draw_rows(amplitude, altitude, reach)
+    rows = record.put(pings, amplitude, 1, altitude)
+    view.show_rows(rows, reach)
+    expected = view.image.pixels.copy()
+    view.show_rows(rows, None)
+    assert (view.image.pixels != expected).any()
+    view.show_rows(rows, None, drawn=drawn)
+    np.testing.assert_array_equal(view.image.pixels, expected)
+    for change in (lambda: view.show_zoom(Zoom().about(0.5, 0.5, 2.0)), lambda: view.show_levels((0.2, 0.7))):
+        change()
+        view.show_rows(rows, reach)
+        expected = view.image.pixels.copy()
+        view.show_rows(rows, reach, drawn=drawn)
+        np.testing.assert_array_equal(view.image.pixels, expected)
+    assert view.draw_rows(amplitude[..., 1:], altitude, None) is None, "of a record of other bins"
+
+
 # In the window
 
 
@@ -177,7 +207,7 @@ def test_pointing_clicking_and_scrubbing_stay_right(viewer, qtbot):
             wanted = view.mark_at(place)
             QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=place)  # which opens a panel: the view shrinks
             assert pinned[-1] == wanted
-        handle = view._handle
+        handle = view.handle
         drag(view, handle.place_of(view.top).toPoint(), handle.place_of(100).toPoint())
         assert abs(view.top - 100) <= 1
         newest, older = (view.place_of(Mark(view.top - pings, side, 350)) for pings in (0, 10))
@@ -236,7 +266,7 @@ def test_the_wheel_zooms_a_drag_moves_the_record_and_the_picture_follows_the_opt
     # Options reach a recording.
     viewer.session.show(newest_on_top=True, scale="fill", side_gains=(0.0, 0.0))
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
-    assert viewer.window.waterfall._look == viewer.window.record_a._look == viewer.session.display
+    assert viewer.window.waterfall.look == viewer.window.record_a.look == viewer.session.display
 
 
 @pytest.mark.parametrize("width", [1, 7, 100, 101, 350])
@@ -309,8 +339,8 @@ def test_a_drag_looks_like_what_it_leads_to(width):
     scene = edit(load_scene("default"), {"sonar.beam.width": width, "sonar.bins": 250, "track.pings": 160})
     pings = np.arange(159, -1, -1)
     simulator = Simulator()
-    simulator._cost = 0.0  # as if pings cost nothing, none to be thinned out
-    (coarse,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
+    simulator.cost = 0.0  # as if pings cost nothing, none to be thinned out
+    (coarse,) = simulator.trace(PingRequest(0, scene, Modelling(), pings, fine=False))
     simulator.close()
     # Three planes, which the default tolerance admits, are themselves apart from the mean over the beam.
     simulation = prepare(scene, tolerance=0.005)
@@ -333,6 +363,6 @@ def test_what_is_random_or_has_no_width_is_not_smeared(small):
     changes["receiver.recorder.dropped_pings"] = 0.1
     scenes = [edit(small, {path: value}) for path, value in changes.items()]
     requests = [PingRequest(0, scene, Modelling(), np.arange(3), fine=False) for scene in scenes]
-    answers = [list(simulator._trace(request)) for request in requests]
+    answers = [list(simulator.trace(request)) for request in requests]
     simulator.close()
     assert [answer.reach for (answer,) in answers] == [None] * 4

@@ -115,7 +115,7 @@ def test_display_options_are_undone_by_name_and_gains_typed(viewer, panel):
 
 def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_view(viewer, panel, qtbot):
     histogram, view = panel.view.histogram, viewer.window.waterfall
-    qtbot.waitUntil(lambda: histogram._counts.max() == 1.0)
+    qtbot.waitUntil(lambda: histogram.counts.max() == 1.0)
     before = picture_of(view).copy()
     drag(histogram.surface, *(histogram.place_of(level, 0.5) for level in (histogram.ends[1], 20.0)))
     assert histogram.ends[1] == pytest.approx(20.0, abs=0.5)
@@ -148,15 +148,15 @@ def test_the_ends_of_the_colour_bar_are_dragged_and_a_drag_measures_in_every_vie
         assert across == pytest.approx(wide, abs=0.4)
     press_shortcut(viewer.window, "m")
     assert not view.measuring
-    assert view._marks.line is None
+    assert view.marks.line is None
 
 
 def mark_two(viewer, panel, qtbot):
     view = viewer.window.waterfall
     for number, mark in enumerate((Mark(240, 0, 300), Mark(60, 1, 200)), start=1):
         QTest.mouseMove(view, view.place_of(mark))
-        qtbot.waitUntil(lambda: panel._hovered is not None)
-        panel._hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
+        qtbot.waitUntil(lambda: panel.hovered is not None)
+        panel.hovered = (view, mark)  # to the bin, which the mouse meets to a pixel
         press_shortcut(viewer.window, "c")
         qtbot.waitUntil(lambda number=number: len(panel.contacts) == number)
 
@@ -174,11 +174,13 @@ def test_contacts_are_marked_classed_measured_sorted_named_and_found_again(viewe
     listed.choose(0)
     listed.takes["height"].click()
     assert "measure first" in window.status.sentence.text()
-    panel._show_measured(view, Mark(240, 0, 250), Mark(240, 0, 300))
+    ends = Mark(240, 0, 250), Mark(240, 0, 300)
+    view.measured.emit(*ends)
+    line = measure(*(locate_simulated(viewer.answer.simulation, end) for end in ends))
     for field in ("length", "height"):
         listed.takes[field].click()
-    assert panel.contacts[0].length == pytest.approx(panel._measured.straight, abs=0.005)
-    assert panel.contacts[0].height == pytest.approx(panel._measured.height, abs=0.005)
+    assert panel.contacts[0].length == pytest.approx(line.straight, abs=0.005)
+    assert panel.contacts[0].height == pytest.approx(line.height, abs=0.005)
     assert window.undo.text() == "Undo: height of contact 1"
     listed.classification.textActivated.emit("wreck")
     listed.sizes["height"].setValue(0.0)
@@ -202,9 +204,9 @@ def test_contacts_are_marked_classed_measured_sorted_named_and_found_again(viewe
     listed.note.setText("two masts")
     listed.note.editingFinished.emit()
     assert (panel.contacts[0].name, panel.contacts[0].note) == ("wreck", "two masts")
-    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts
+    assert (Mark(240, 0, 300), "wreck", True) in view.marks.contacts
     viewer.go_to(100)
-    assert (Mark(240, 0, 300), "wreck", True) in view._marks.contacts, "contacts outlast scrolling"
+    assert (Mark(240, 0, 300), "wreck", True) in view.marks.contacts, "contacts outlast scrolling"
     listed.jump.click()
     assert view.plot_area.contains(view.place_of(Mark(240, 0, 300)))
     listed.remove.click()
@@ -390,12 +392,17 @@ def test_errors_of_bins_lie_over_their_bins_and_are_taken_off(viewer, panel, qtb
     view = viewer.window.waterfall
     share = 1.5 * viewer.session.modelling.tolerance  # half of that in full colour
     errors = np.array([[0.0], [share]], np.float32)
-    monkeypatch.setattr(
-        pixel, "find_bin_errors", lambda _, pings: np.broadcast_to(errors, (len(pings), 2, view.record.bins))
-    )
+    asked: list[int] = []
+
+    def find_errors(_, pings):
+        asked.extend(pings.tolist())
+        return np.broadcast_to(errors, (len(pings), 2, view.record.bins))
+
+    monkeypatch.setattr(pixel, "find_bin_errors", find_errors)
     plain, plot, middle = colours_of(view.grab().toImage()), view.plot_area, view.plot_area.center()
     panel.view.errors.setChecked(True)
-    qtbot.waitUntil(lambda: (colours_of(view.grab().toImage()) != plain).any())
+    qtbot.waitUntil(lambda: view.errors.shares.any(axis=1).all())
+    assert sorted(asked) == list(range(view.record.pings)), "every ping on screen, once"
     over = colours_of(view.grab().toImage())
     changed = (over != plain)[plot.top() : plot.bottom(), :]
     assert not changed[:, : middle.x() - 1].any(), "port has no error"

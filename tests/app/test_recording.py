@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from controls import bring_to_front, choose, drag, drop, finish, picture_of
+from controls import bring_to_front, choose, drag, drop, finish, move_mouse, picture_of
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QFileDialog
@@ -111,14 +111,14 @@ def test_any_ping_is_reached_the_last_file_wins_and_a_broken_one_is_told(viewer,
     window = viewer.window
     window.resize(1600, 900)
     open_recording(viewer, folder / "record.xtf", qtbot)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    qtbot.waitUntil(lambda: window.views.sizes()[0] > 250)
     window.resize(880, 600)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
-    _, recorded, simulated = window._splitter.sizes()
+    qtbot.waitUntil(lambda: window.views.sizes()[0] == 0)
+    _, recorded, simulated = window.views.sizes()
     assert abs(simulated - recorded) <= 2
     assert window.record_a.geometry().right() < window.waterfall.geometry().left()
     window.resize(1600, 900)
-    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    qtbot.waitUntil(lambda: window.views.sizes()[0] > 250)
 
 
 def test_a_recording_is_opened_by_a_drop_and_the_menu_and_tells_its_navigation(viewer, folder, qtbot, monkeypatch):
@@ -309,7 +309,7 @@ def test_a_recording_is_shown_beside_the_simulated_record_or_wiped_over_it_at_th
     assert place.height() / plot.height() == pytest.approx(PINGS / 256.0, rel=2e-3)
     pointed = []
     viewer.recordings.pointed.connect(pointed.append)
-    QTest.mouseMove(overlay, QPoint(overlay.split - 20, plot.center().y()))
+    move_mouse(overlay, QPoint(overlay.split - 20, plot.center().y()))
     # Ping 128 from the top, some metres to port.
     expected = (19.5 / plot.width()) * 100.0 / (60.0 / recording.bins)
     assert pointed[-1].side == 0

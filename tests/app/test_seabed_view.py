@@ -71,14 +71,14 @@ def test_a_record_narrower_than_a_pixel_of_the_bed_leaves_it_as_it_is(small):
 def test_the_record_and_a_mosaic_are_laid_over_the_bed_until_they_are_taken_off(viewer, qtbot, tmp_path, monkeypatch):
     seabed, action, show = viewer.seabed, viewer.seabed_menu.mosaic, viewer.seabed.view.show_texture
     qtbot.waitUntil(lambda: seabed.complete)
-    shown, bare, place = [], [], seabed._patch.centre
+    shown, bare, place = [], [], seabed.patch.centre
     seabed.view.show_texture = lambda image: (shown.append(image.copy()), show(image))
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: len(shown) == 1)
-    assert (shown[0] != seabed._patch.image).mean() > 0.05
+    assert (shown[0] != seabed.patch.image).mean() > 0.05
     viewer.session.show(draped=False)
     qtbot.waitUntil(lambda: len(shown) == 2)
-    assert (shown[1] == seabed._patch.image).all()
+    assert (shown[1] == seabed.patch.image).all()
     # So is a mosaic of the scene.
     path = tmp_path / "mosaic.tif"
     level = np.tile(np.linspace(-9.0, 9.0, 20, dtype=np.float32), (20, 1))
@@ -86,13 +86,13 @@ def test_the_record_and_a_mosaic_are_laid_over_the_bed_until_they_are_taken_off(
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, **__: (str(path), ""))
     action.trigger()
     qtbot.waitUntil(lambda: len(shown) == 3)
-    side = np.sqrt((shown[2] != seabed._patch.image).any(axis=2).mean()) * 2.0 * seabed._patch.half
+    side = np.sqrt((shown[2] != seabed.patch.image).any(axis=2).mean()) * 2.0 * seabed.patch.half
     assert side == pytest.approx(20.0, abs=0.5)
     viewer.seabed_menu.open(None, QPoint(0, 0)).close()
     assert action.isChecked()
     action.trigger()
     qtbot.waitUntil(lambda: len(shown) == 4)
-    np.testing.assert_array_equal(shown[3], seabed._patch.image)
+    np.testing.assert_array_equal(shown[3], seabed.patch.image)
     # A map elsewhere is refused in one sentence, and a mosaic is no bed.
     write_mosaic(path, Mosaic(level, (5e5, 5e6), 1.0, np.ones((20, 20), np.uint16)), "EPSG:32631")
     action.trigger()
@@ -103,17 +103,17 @@ def test_the_record_and_a_mosaic_are_laid_over_the_bed_until_they_are_taken_off(
     # The record stays over the bed when the window of the bed moves.
     viewer.session.show(draped=True)
     qtbot.waitUntil(lambda: seabed.complete)
-    patch = seabed._patch
-    seabed.view.show_texture = lambda image: (bare.append((image == seabed._patch.image).all()), show(image))
+    patch = seabed.patch
+    seabed.view.show_texture = lambda image: (bare.append((image == seabed.patch.image).all()), show(image))
     viewer.go_to(viewer.tow.newest + 60)
-    qtbot.waitUntil(lambda: viewer.complete and seabed._patch is not patch)
+    qtbot.waitUntil(lambda: viewer.complete and seabed.patch is not patch)
     assert bare, "the bed was drawn at its new place"
     assert not any(bare), "never without the record"
     # Beds share one texture.
-    texture, before = seabed.view._bed_actor.texture, seabed.view.grab().toImage()
+    texture, before = seabed.view.bed_actor.texture, seabed.view.grab().toImage()
     finish(viewer, qtbot, viewer.session.settle, {"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
     seabed.view.draw_now()
-    assert seabed.view._bed_actor.texture is texture
+    assert seabed.view.bed_actor.texture is texture
     qtbot.waitUntil(lambda: seabed.view.grab().toImage() != before)
 
 
@@ -190,16 +190,16 @@ def test_the_fan_is_shown_and_shadows_gather_as_the_fish_passes_until_they_are_s
     for count, ping in enumerate((40, 41, 42), start=1):
         viewer.go_to(ping)
         qtbot.waitUntil(lambda count=count: len(view.shadows) >= count)
-    assert view._shadow_actor.visibility
+    assert view.shadow_actor.visibility
     viewer.seabed.show_shadows(False)
     qtbot.waitUntil(lambda: not view.shadows)
-    assert not view._shadow_actor.visibility
+    assert not view.shadow_actor.visibility
     # The fan that is cut is shown.
     viewer.go_to(40)
-    expected = fan_sheet(viewer._answer.simulation, 40).lit
+    expected = fan_sheet(viewer.answer.simulation, 40).lit
 
     def shown():
-        points = np.asarray(pv.wrap(view._sheet_actor.mapper.GetInput()).points)
+        points = np.asarray(pv.wrap(view.sheet_actor.mapper.GetInput()).points)
         return points.shape == (3 * len(expected), 3) and bool(np.allclose(points, expected.reshape(-1, 3), atol=1e-3))
 
     qtbot.waitUntil(shown)
@@ -251,7 +251,7 @@ def test_a_target_keeps_the_lamp_off_the_bed_where_its_light_would_fall(below):
 
 @pytest.fixture
 def viewer(open_viewer, small):
-    return open_viewer(edit(small, {"targets": []}))
+    return open_viewer(edit(small, {"targets": []}), own=True)
 
 
 def trigger(viewer, text):
@@ -260,7 +260,7 @@ def trigger(viewer, text):
 
 def sight(viewer) -> np.ndarray:
     """Places of the camera and of its focus."""
-    camera = viewer.seabed.view._canvas.plotter.camera
+    camera = viewer.seabed.view.canvas.plotter.camera
     return np.array([camera.position, camera.focal_point])
 
 
@@ -270,7 +270,7 @@ def away(viewer) -> np.ndarray:
 
 
 def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera_its_places(viewer, qtbot):
-    widget = viewer.seabed.view._canvas.widget
+    widget = viewer.seabed.view.canvas.widget
     x, y = viewer.seabed.view.handles._in_view(np.array([15.0, 12.0, 0.0]))
     QTest.mouseClick(widget, Qt.MouseButton.RightButton, pos=QPoint(round(x), round(widget.height() - 1.0 - y)))
     (menu,) = (each for each in viewer.window.findChildren(QMenu) if each.isVisible())
@@ -282,15 +282,15 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     menu.close()
     # Depths have colours with a bar.
     view = viewer.seabed.view
-    assert view.guides._shown[0] > 0.0
-    plain = viewer.seabed._patch.image.copy()
+    assert view.guides.shown[0] > 0.0
+    plain = viewer.seabed.patch.image.copy()
     finish(viewer, qtbot, trigger, viewer, "Depth colours")
-    shallow, deep = viewer.seabed._patch.depths
+    shallow, deep = viewer.seabed.patch.depths
     assert 0.0 < shallow < viewer.session.scene.seabed.depth < deep
-    qtbot.waitUntil(lambda: view.guides._shown[2] == (shallow, deep))
-    assert (viewer.seabed._patch.image != plain).mean() > 0.5
+    qtbot.waitUntil(lambda: view.guides.shown[2] == (shallow, deep))
+    assert (viewer.seabed.patch.image != plain).mean() > 0.5
     trigger(viewer, "Copy picture of the 3-D view")
-    assert QGuiApplication.clipboard().image().width() == 3 * view._canvas.plotter.window_size[0]
+    assert QGuiApplication.clipboard().image().width() == 3 * view.canvas.plotter.window_size[0]
     # A new target is chosen, framed and in the record.
     viewer.window.target_wanted.emit("box")
     qtbot.waitUntil(lambda: viewer.complete and bool(viewer.session.scene.targets) and not view.follows)
@@ -299,13 +299,13 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
     target = viewer.session.scene.targets[0]
     assert sight(viewer)[1][:2] == pytest.approx(target.position[:2])
     assert np.linalg.norm(away(viewer)) < 0.5 * viewer.session.scene.sonar.range
-    assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles._shown)
+    assert any(action == "move" for _, _, action, _ in viewer.window.waterfall.handles.shown)
     # The camera glides to its places, and follows the towfish.
     before = sight(viewer)
     view.eases = True
     viewer.window.reset_view.trigger()
     assert np.allclose(sight(viewer), before)
-    qtbot.waitUntil(lambda: not view._gliding.isActive())
+    qtbot.waitUntil(lambda: not view.gliding.isActive())
     assert view.follows
     view.eases = False
     home = sight(viewer)
@@ -329,15 +329,15 @@ def test_a_place_has_a_menu_depths_colours_a_new_target_its_frame_and_the_camera
 
 
 def test_the_altitude_and_range_of_the_sonar_stand_in_the_view_and_a_bed_far_from_the_fish_is_not_missed(viewer):
-    view, scene, pose = viewer.seabed.view, viewer.session.scene, viewer.seabed.view._pose
-    assert view._swath.range.GetInput() == f"{scene.sonar.range:g} m"
-    assert float(view._swath.altitude.GetInput().split()[0]) == pytest.approx(scene.track.altitude, abs=0.2)
-    assert not view._swath.level.visibility
-    simulation, far = viewer._answer.simulation, pose._replace(x=pose.x + 500.0)
+    view, scene, pose = viewer.seabed.view, viewer.session.scene, viewer.seabed.view.pose
+    assert view.swath.range.GetInput() == f"{scene.sonar.range:g} m"
+    assert float(view.swath.altitude.GetInput().split()[0]) == pytest.approx(scene.track.altitude, abs=0.2)
+    assert not view.swath.level.visibility
+    simulation, far = viewer.answer.simulation, pose._replace(x=pose.x + 500.0)
     scanned = scan_line(simulation.ground, simulation.arrays, far)
     view.show_scan(simulation.arrays, far, scanned, np.zeros(2 * scene.sonar.bins, np.float32))
-    assert view._swath.level.visibility
-    assert view._swath.level.position[0] == pytest.approx(float(far.x[0]))
+    assert view.swath.level.visibility
+    assert view.swath.level.position[0] == pytest.approx(float(far.x[0]))
     # Nor is a place of the bed that the camera shows, when the fish comes from far away.
     view.eases = False
     view.show_sonar(simulation.arrays, far, 0.0)
@@ -366,7 +366,7 @@ def test_keys_turn_and_zoom_the_scene_within_its_limits_and_all_others_are_those
     if not has_opengl():
         pytest.skip("no OpenGL for a widget")
     activate(viewer.window, qtbot)
-    canvas, waterfall = viewer.seabed.view._canvas.widget, viewer.window.waterfall
+    canvas, waterfall = viewer.seabed.view.canvas.widget, viewer.window.waterfall
     canvas.setMaximumSize(320, 240)  # a small picture is drawn in less time
     canvas.setFocus()
     home, middle = away(viewer), canvas.rect().center()
@@ -403,11 +403,11 @@ def test_keys_turn_and_zoom_the_scene_within_its_limits_and_all_others_are_those
         assert np.linalg.norm(away(viewer)) == pytest.approx(factor * before)
         for _ in range(60):
             QTest.keyClick(canvas, letter)
-        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view._reach)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view.reach)
         assert waterfall.projection.zoom == zoom, "they zoom what has the keyboard"
         waterfall.setFocus()
         QTest.keyClick(waterfall, letter)
-        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view._reach)
+        assert np.linalg.norm(away(viewer)) == pytest.approx(limit * viewer.seabed.view.reach)
     viewer.window.tour.begin()
     canvas.setFocus()
     QTest.keyClick(canvas, Qt.Key.Key_Escape)

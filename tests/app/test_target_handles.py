@@ -26,7 +26,7 @@ def one_box(small):
 
 
 def number_of(viewer, action: str, target: int = 0) -> int:
-    handles = viewer.targets.handles._handles
+    handles = viewer.targets.handles.all
     return next(k for k, handle in enumerate(handles) if (handle.target, handle.action) == (target, action))
 
 
@@ -105,7 +105,7 @@ def drag_handle(viewer, view, action: str, times: float = 2.0):
     handle, centre = (QPointF(view.handles.place(number_of(viewer, each))).toPoint() for each in (action, "move"))
     in_record = view is viewer.window.waterfall
     assert not in_record or (handle - centre).manhattanLength() > 2 * 9, "each is taken by itself"
-    drag(view if in_record else view._canvas.widget, handle, centre + (handle - centre) * times)
+    drag(view if in_record else view.canvas.widget, handle, centre + (handle - centre) * times)
 
 
 def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(open_viewer, small, one_box, qtbot):
@@ -116,7 +116,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     session, view, seabed, record = viewer.session, viewer.seabed.view, viewer.seabed, viewer.window.waterfall
     assert viewer.targets.handles.chosen == 0, "it is chosen before its scene is traced"
     seabed.draw_now()
-    canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
+    canvas, position = view.canvas.widget, tuple(view.canvas.plotter.camera.position)
     start = view.handles.place(number_of(viewer, "move")).toPoint()
     drag(canvas, start, start + QPoint(25, 10))
     assert session.history.undoable == ("box 1 moved",)
@@ -125,7 +125,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     qtbot.waitUntil(lambda: viewer.complete)
     place = view.handles.place(number_of(viewer, "move")).toPoint()
     assert (place - start - QPoint(25, 10)).manhattanLength() <= 12, "the target follows the mouse"
-    assert tuple(view._canvas.plotter.camera.position) == position, "the view does not turn meanwhile"
+    assert tuple(view.canvas.plotter.camera.position) == position, "the view does not turn meanwhile"
     handle, centre, thicken = (record.handles.place(number_of(viewer, each)) for each in ("raise", "move", "thicken"))
     assert (handle - centre).x() * (thicken - centre).x() < 0
     assert "higher" in record.handles.hover(handle)
@@ -151,7 +151,7 @@ def test_targets_are_dragged_and_resized_in_the_record_and_in_three_dimensions(o
     mesh = {"kind": "mesh", "path": "wreck", "scale": 0.2, "position": [12.0, -20.0], "heading": 90.0}
     finish(viewer, qtbot, viewer.open, edit(small, {"targets": [mesh], "sonar.bins": 400}))
     drag_handle(viewer, view, "resize")
-    assert session.history.undoable[0] == "mesh 1 resized"
+    assert session.history.undoable[0] == "wreck 1 resized"
     assert 0.25 < session.scene.targets[0].scale < 0.8
     session.undo()
     assert session.scene.targets[0].scale == 0.2
@@ -201,7 +201,7 @@ def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(ope
     assert viewer.inspection.mark is not None
     assert viewer.session.history.undoable == ()
     finish(viewer, qtbot, viewer.open, edit(one_box, {"targets.0.locked": True}))
-    assert viewer.targets.handles._handles == (), "locked targets stay"
+    assert viewer.targets.handles.all == (), "locked targets stay"
     # A handle of the last scene drags no other target.
     pipe = {"kind": "pipe", "position": [12.0, -20.0], "radius": 0.5, "length": 10.0}
     finish(viewer, qtbot, viewer.open, edit(small, {"targets": [pipe]}))
@@ -219,11 +219,11 @@ def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(ope
     finish(viewer, qtbot, viewer.open, one_box)
     handles = viewer.targets.handles
     assert handles.chosen is None, "of another scene"
-    assert [handle.action for handle in handles._handles] == ["move"]
+    assert [handle.action for handle in handles.all] == ["move"]
     beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
     assert handles.chosen == 0
-    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize", "thicken", "raise"]
+    assert [handle.action for handle in handles.all] == ["move", "turn", "resize", "thicken", "raise"]
     turn = record.handles.place(number_of(viewer, "turn"))
     centre = record.handles.place(number_of(viewer, "move"))
     drag(record, turn, turn + QPoint(0, 2 * (centre.y() - turn.y())))
@@ -240,7 +240,7 @@ def test_a_click_chooses_a_target_that_is_dragged_and_none_of_the_last_scene(ope
     session, before = viewer.session, viewer.session.history.undoable
     start = record.handles.place(number_of(viewer, "move"))
     near, far = start, start + QPoint(30, -25)
-    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
+    begin, end = (locate_mark(viewer.answer.simulation, record.mark_at(place))[2] for place in (near, far))
     drag(record, near, far)
     moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
     np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)

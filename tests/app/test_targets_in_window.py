@@ -55,7 +55,7 @@ def own():
 @pytest.mark.usefixtures("own")
 def test_a_target_of_any_kind_is_added_taken_back_kept_apart_and_in_a_new_scene(open_viewer, small, qtbot, monkeypatch):
     pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
-    viewer = open_viewer(edit(small, {"targets": []}))
+    viewer = open_viewer(edit(small, {"targets": []}), own=True)
     assert list(target_menu())[-1] == "hoop", "of somebody else's"
     for kind in target_menu():
         target = add(viewer, kind, qtbot)
@@ -209,7 +209,7 @@ def test_volumes_are_drawn_where_they_echo_by_the_main_thread_alone(open_viewer,
     assert -0.02 < bubbles[:, 2].min() < 0.3
     assert volume_points((), ground_of(scene.seabed)).shape == (0, 3)
     viewer = open_viewer(scene)
-    drawn, targets = viewer.seabed.view._volumes_actor, viewer.seabed.view._targets_actor
+    drawn, targets = viewer.seabed.view.volumes_actor, viewer.seabed.view.targets_actor
     qtbot.waitUntil(lambda: bool(drawn.visibility and targets.visibility))
     usual = drawn.prop.opacity
     viewer.seabed.view.fade_bed(True)

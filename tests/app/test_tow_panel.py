@@ -59,7 +59,7 @@ def test_an_exercise_is_surveyed_and_marked(open_viewer: Any, small: Scene, exer
     assert viewer.session.scene == truth.bare
     assert viewer.tow.helm is not None
     qtbot.waitUntil(lambda: viewer.complete)
-    answer = viewer._answer
+    answer = viewer.answer
     assert answer is not None
     simulation = answer.simulation
     assert not simulation.scene.targets

@@ -43,7 +43,7 @@ def _threads_take_turns_as_in_the_program():
 
 def watch_gaps(viewer: Viewer) -> Gaps:
     """Gaps of the main thread, without what OpenGL takes of them."""
-    gaps, canvas = Gaps(tick=1), viewer.seabed.view._canvas.plotter
+    gaps, canvas = Gaps(tick=1), viewer.seabed.view.canvas.plotter
     canvas.renderer.AddObserver("StartEvent", gaps.begin_drawing)
     canvas.renderer.AddObserver("EndEvent", gaps.end_drawing)
     canvas.aboutToCompose.connect(gaps.begin_drawing)
@@ -86,18 +86,18 @@ def test_a_preview_against_the_planned_record(qapp, name, path, value):
         at = "depth" if scene.track.altitude is None else "altitude"
         path, value = f"track.{at}", getattr(scene.track, at)
     pings = np.arange(pings_held(scene) - 1, -1, -1, dtype=np.int64)
-    list(simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=True)))
+    list(simulator.trace(PingRequest(0, scene, Modelling(), pings, fine=True)))
     wall, busy, refined = [], [], []
     for number in range(1, MOVES + 1):
         moved = edit(scene, {path: value * (1.0 + 0.004 * number)})
         began, used, answers = time.perf_counter(), time.process_time(), []
-        for answer in simulator._trace(PingRequest(number, moved, Modelling(), pings, fine=False)):
+        for answer in simulator.trace(PingRequest(number, moved, Modelling(), pings, fine=False)):
             if not answers:
                 wall.append(time.perf_counter() - began)
                 busy.append(time.process_time() - used)
             answers.append(answer)
         refined.append(time.process_time() - used)
-    planned = list(simulator._trace(PingRequest(99, moved, Modelling(), pings, fine=True)))
+    planned = list(simulator.trace(PingRequest(99, moved, Modelling(), pings, fine=True)))
     simulator.close()
     first, last = (_distance(answer, planned) for answer in (answers[0], answers[-1]))
     print(
@@ -149,7 +149,7 @@ def test_slider_at_60_hz(open_large, qtbot, name, path):
             return
         begun = time.perf_counter()
         row.slider.setValue(int(position))
-        moved[viewer._number] = begun
+        moved[viewer.number] = begun
 
     timer, gaps = QTimer(interval=1000 // RATE), watch_gaps(viewer)
     timer.timeout.connect(move)
@@ -158,7 +158,7 @@ def test_slider_at_60_hz(open_large, qtbot, name, path):
     qtbot.waitUntil(lambda: not timer.isActive())
     gaps.close()
     row.slider.setSliderDown(False)
-    fine = seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size)
+    fine = seconds_of(qtbot.waitUntil, lambda: not viewer.missing().size)
     print(f"\n{name}, {path}: {len(delays)} pictures of {2 * RATE} moves; {gaps.in_words()}; fine after {fine:.3f} s")
     if delays:
         after, best, of_it = (1e3 * float(each) for each in (np.median(delays), min(delays), np.median(traced)))
@@ -182,7 +182,7 @@ def test_live_tow(open_large, qtbot):
 
 def test_a_view_that_is_turned(open_large, qtbot):
     viewer = open_large(load_scene("default"))
-    canvas = viewer.seabed.view._canvas.widget
+    canvas = viewer.seabed.view.canvas.widget
     place, frames, seconds = canvas.rect().center(), [], []
     canvas.frameSwapped.connect(lambda: frames.append(time.perf_counter()))
     QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=place)
@@ -198,14 +198,14 @@ def test_a_view_that_is_turned(open_large, qtbot):
 
 def test_a_target_that_is_dragged(open_large, qtbot):
     viewer = open_large(load_scene("default"))
-    record, handles = viewer.window.waterfall, viewer.targets.handles._handles
+    record, handles = viewer.window.waterfall, viewer.targets.handles.all
     number = next(k for k, handle in enumerate(handles) if handle.target == 1)
     place, gaps, coarse = record.handles.place(number), watch_gaps(viewer), []
     QTest.mousePress(record, Qt.MouseButton.LeftButton, pos=place)
     for _ in range(2 * MOVES):
         place += QPoint(3, -2)
         QTest.mouseMove(record, place)
-        coarse.append(seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size))
+        coarse.append(seconds_of(qtbot.waitUntil, lambda: not viewer.missing().size))
     QTest.mouseRelease(record, Qt.MouseButton.LeftButton, pos=place)
     gaps.close()
     print(f"\ntarget dragged in the record: coarse picture in {1e3 * np.median(coarse):.0f} ms (median)")
@@ -249,7 +249,7 @@ def test_a_and_b_change_places(open_large, qtbot, pings):
         row.slider.setSliderDown(True)
         for position in np.linspace(300, 600, MOVES).astype(int):
             row.slider.setValue(int(position))
-            seconds_of(qtbot.waitUntil, lambda: not viewer._missing().size)
+            seconds_of(qtbot.waitUntil, lambda: not viewer.missing().size)
         gaps.close()
         row.slider.setSliderDown(False)
         print(f"slider with {arrangement.value}: {gaps.in_words()}")

@@ -82,15 +82,15 @@ def test_a_bed_shows_before_its_first_ping_stale_rows_are_dimmed_and_compiling_i
     assert waterfall.grab().toImage().pixelColor(200, 26) != plain
     # A new bed is shown while its first ping is awaited.
     finish(viewer, qtbot, viewer.session.undo)
-    shown = viewer.seabed.view._bed.points.copy()
+    shown = viewer.seabed.view.bed.points.copy()
     viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
     viewer.session.settle({"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
-    viewer.simulator.laid.emit(viewer._number, pack(viewer.session.scene))
+    viewer.simulator.laid.emit(viewer.number, pack(viewer.session.scene))
     qtbot.waitUntil(lambda: viewer.seabed.complete)
-    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
+    assert abs(viewer.seabed.view.bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
     viewer.session.show(gain=3.0)
     qtbot.wait(50)
-    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
+    assert abs(viewer.seabed.view.bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
     # The bar tells what is compiled.
     viewer.session.settle({"seed": 5})
     report_progress(Compilation("bent rays", 0.4, 55.0))
@@ -127,7 +127,7 @@ def test_water_is_not_black_the_last_bed_is_faded_and_one_that_fails_is_told(ope
     water = image.pixelColor(image.width() // 8, 8)
     assert water.blue() > water.red() > 40, "nothing is black above the bed"
     viewer.open(edit(small, {"seabed.relief.beta": 2.0}))
-    qtbot.waitUntil(lambda: not viewer._missing().size, timeout=120000)
+    qtbot.waitUntil(lambda: not viewer.missing().size, timeout=120000)
     assert not viewer.complete
     assert strongest_contrast() < 0.7 * usual
     finish(viewer, qtbot, going.set)
@@ -189,10 +189,10 @@ def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small
 
     simulator = Simulator(prepare=Slow)
     request = PingRequest(0, small, Modelling(), np.arange(40, dtype=np.int64), fine=False)
-    with simulator._lane.changed:  # so that the worker lets it wait
+    with simulator.lane.changed:  # so that the worker lets it wait
         if waits:
             simulator.ask(request)
-        answer = next(simulator._trace(request))
+        answer = next(simulator.trace(request))
         count = len(traced)
     simulator.close()
     assert len(answer.pings) == len(answer.amplitude)
@@ -203,11 +203,11 @@ def test_a_coarse_picture_that_takes_long_is_cut_short_for_a_newer_request(small
 
 def test_pings_between_traced_ones_are_interpolated_then_traced_and_fewer_when_the_picture_waited_for_its_ground(small):
     simulator = Simulator(prepare=StandIn)
-    simulator._cost = 8e-4
+    simulator.cost = 8e-4
     assert [simulator._stride(512, passed) for passed in (0.0, 0.01, 0.48, 1.0)] == [8, 8, 2, 1]
-    simulator._cost = 1.0  # as if a ping took a second
+    simulator.cost = 1.0  # as if a ping took a second
     pings = np.arange(39, -1, -1, dtype=np.int64)
-    answers = list(simulator._trace(PingRequest(3, small, Modelling(), pings, fine=False)))
+    answers = list(simulator.trace(PingRequest(3, small, Modelling(), pings, fine=False)))
     simulator.close()
     first, last = answers[0], answers[-1]
     assert np.flatnonzero(~first.between).tolist() == [0, 16, 32]
@@ -230,7 +230,7 @@ def kernels(monkeypatch):
 
 def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer, kernels, qtbot):
     viewer = open_viewer(
-        load_scene(DEFAULT_SCENE), prepare=None, until=lambda it: it._answer is not None and it.seabed.complete
+        load_scene(DEFAULT_SCENE), prepare=None, own=True, until=lambda it: it.answer is not None and it.seabed.complete
     )
     waterfall = viewer.window.waterfall
     qtbot.waitUntil(lambda: waterfall.waiting is not None)
@@ -259,14 +259,14 @@ def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer
 
 
 def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, kernels, qtbot):
-    viewer = open_viewer(load_scene(DEFAULT_SCENE), prepare=None, until=lambda viewer: viewer._answer is not None)
+    viewer = open_viewer(load_scene(DEFAULT_SCENE), prepare=None, own=True, until=lambda it: it.answer is not None)
     waterfall = viewer.window.waterfall
     bright = picture_of(waterfall).copy()
     viewer.session.settle({"track.altitude": 12.0})
     qtbot.waitUntil(lambda: waterfall.waiting is not None and (picture_of(waterfall) != bright).mean() > 0.5)
     assert "example" not in waterfall.waiting.what
     finish(viewer, qtbot, kernels.set)
-    assert viewer._answer.simulation.scene.track.altitude == 12.0
+    assert viewer.answer.simulation.scene.track.altitude == 12.0
 
 
 @pytest.mark.parametrize(("in_turn", "asked", "shown"), [(False, [1, 2, 3], [30]), (True, [1, 3], [10, 30])])

@@ -22,17 +22,17 @@ def colours(widget) -> int:
 
 
 def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, small, qtbot, tmp_path, monkeypatch):
-    viewer, layered = open_viewer(small), edit(small, {"water": PROFILE})
+    viewer, layered = open_viewer(small, own=True), edit(small, {"water": PROFILE})
     assert not viewer.panels["water"].view.isVisible()
-    finish(viewer, qtbot, viewer.window._buttons["water"].trigger)
+    finish(viewer, qtbot, viewer.window.buttons["water"].trigger)
     assert viewer.panels["water"].complete
     assert colours(viewer.panels["water"].view) > 30, "uniform water can be looked at too"
-    viewer.window._buttons["water"].trigger()
+    viewer.window.buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
     finish(viewer, qtbot, viewer.session.open, layered)
     assert viewer.panels["water"].view.isVisible()
     assert colours(viewer.panels["water"].view) > 100
-    viewer.window._buttons["water"].trigger()
+    viewer.window.buttons["water"].trigger()
     assert not viewer.panels["water"].view.isVisible()
     viewer.session.settle({"water.depth.1": 9.0})
     assert not viewer.panels["water"].view.isVisible()
@@ -79,7 +79,7 @@ def picture_of(plot):
 
 def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, small, qtbot):
     layered = edit(small, {"water": PROFILE})
-    viewer = open_viewer(layered)
+    viewer = open_viewer(layered, own=True)
     panel, view = viewer.panels["water"], viewer.panels["water"].view
     profile, rays = view.profile, view.rays
     activate(viewer.window, qtbot)
@@ -120,9 +120,9 @@ def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_f
     assert picture_of(rays) != plain, "the cross is seen"
     assert viewer.session.scene == layered
     QTest.keyClick(rays, Qt.Key.Key_Return)
-    assert panel._target == pytest.approx((0.6 * rays.diagram.reach, 0.51 * rays.diagram.bottom))
+    assert panel.target == pytest.approx((0.6 * rays.diagram.reach, 0.51 * rays.diagram.bottom))
     qtbot.waitUntil(lambda: viewer.complete)
-    assert rays.diagram.target == pytest.approx(panel._target)
+    assert rays.diagram.target == pytest.approx(panel.target)
     QTest.keyClick(rays, Qt.Key.Key_Tab)
     assert QApplication.focusWidget() is not rays, "the cross is the last stop"
     # A point is dragged, and the drag undone.
@@ -159,9 +159,9 @@ def groups(viewer):
 
 def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_and_follow_the_scene(open_viewer, qtbot):
     scene = edit(load_scene("raw-record"), {"track.pings": 32, "seabed.relief": "flat", "targets": []})
-    viewer = open_viewer(scene, prepare=None)
+    viewer = open_viewer(scene, prepare=None, own=True)
     (solved, _), k, panel = solve_sonar_equation(scene), scene.sonar.bins // 2, viewer.panels["budget"]
-    assert panel._solved is None, "a closed panel solves nothing"
+    assert panel.solved is None, "a closed panel solves nothing"
     finish(viewer, qtbot, viewer.window.open_panel, "budget")
     found = groups(viewer)
     assert found["bed"].level == pytest.approx(solved.bed.decibels[k])
@@ -183,11 +183,11 @@ def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_a
     ranges = curves.canvas.at(QPointF(curves.area.center()))[0]
     assert ranges == pytest.approx(0.5 * scene.sonar.range, rel=0.01)
     assert f"At {ranges:.1f} m" in panel.view.sentence.text()
-    before = panel._range
+    before = panel.range
     QTest.keyClick(curves, Qt.Key.Key_Right, Qt.KeyboardModifier.ShiftModifier)
-    assert panel._range == pytest.approx(before + 0.1 * scene.sonar.range)
+    assert panel.range == pytest.approx(before + 0.1 * scene.sonar.range)
     QTest.keyClick(curves, Qt.Key.Key_Left)
-    assert panel._range == pytest.approx(before + 0.09 * scene.sonar.range)
+    assert panel.range == pytest.approx(before + 0.09 * scene.sonar.range)
     # The curves are painted.
     assert np.unique(colours_of(picture_of(curves))[::2]).size > 12
     assert len(curves.canvas.listDataItems()) >= 3
@@ -196,7 +196,7 @@ def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_a
     assert not curves.canvas.listDataItems()
     # It follows the scene and the target, and has no levels of light.
     before = groups(viewer)
-    finish(viewer, qtbot, panel.view._target.setValue, -5.0)
+    finish(viewer, qtbot, panel.view.target.setValue, -5.0)
     assert groups(viewer)["target"].level == pytest.approx(before["target"].level + 15.0)
     finish(viewer, qtbot, viewer.session.settle, {"receiver.source_level": 200.0})
     assert groups(viewer)["bed"].level == pytest.approx(before["bed"].level + 10.0)

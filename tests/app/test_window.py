@@ -79,7 +79,7 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
 
     viewer = open_viewer(small, prepare=prepare)
     before = viewer.session.scene
-    viewer.simulator._cost = 1.0  # as if a coarse ping took a second, to be thinned as far as allowed
+    viewer.simulator.cost = 1.0  # as if a coarse ping took a second, to be thinned as far as allowed
     viewer._rest.setInterval(10**6)  # as if the person went on within a moment
     between = []
     viewer.simulator.answered.connect(lambda answer: between.append(float(answer.between.mean())))
@@ -94,7 +94,9 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer, small, qtbot):
     assert viewer.session.scene == before, "a drag is one step of undo"
 
 
-def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_the_targets_leave(viewer, small, qtbot):
+def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_the_targets_leave(
+    viewer, small, qtbot, monkeypatch
+):
     record = viewer.record
     for ping in (0, 5, 127):
         expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
@@ -126,7 +128,7 @@ def test_rows_stand_where_the_simulation_says_and_a_tow_that_runs_pauses_before_
     # It waits for pings that take long.
     viewer.run(False)
     finish(viewer, qtbot, viewer.open, edit(small, {"targets": []}))
-    viewer.simulator.ask = lambda request: None  # as if nothing were ever traced
+    monkeypatch.setattr(viewer.simulator, "ask", lambda request: None)  # as if nothing were ever traced
     viewer.run(True)
     qtbot.waitUntil(lambda: viewer.tow.newest > 127 + 48)
     qtbot.wait(500)

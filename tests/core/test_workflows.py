@@ -55,6 +55,12 @@ def test_the_quick_tests_run_on_three_systems_with_three_pythons():
     assert any("@tests/quick.txt" in step.get("run", "") for step in quick["steps"])
 
 
+def test_every_long_test_is_there():
+    for line in (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines():
+        file, _, name = line.partition("::")
+        assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), line
+
+
 @pytest.mark.skipif(shutil.which("actionlint") is None, reason="actionlint is not installed")
 def test_actionlint_finds_nothing():
     done = subprocess.run(["actionlint", *map(str, WORKFLOWS.values())], capture_output=True, text=True, check=False)

@@ -67,7 +67,7 @@ class Person:
         if not self._viewer.complete:
             self._timer.start(100)
             return False
-        renderer = self._viewer.seabed.view._canvas.plotter.renderer
+        renderer = self._viewer.seabed.view.canvas.plotter.renderer
         self._gaps.leave_out_drawing(renderer, self._faults)
         self._faults.watch_drawing(renderer)
         self._gaps.clear()

@@ -17,7 +17,7 @@ def rows(viewer: Viewer, kind: type) -> list[Any]:
     view = viewer.panels["parameters"].view
     if not view.isEnabled():
         return []
-    return [row for box in view._sections.values() for row in box.rows.values() if isinstance(row, kind)]
+    return [row for box in view.sections.values() for row in box.rows.values() if isinstance(row, kind)]
 
 
 def pick(entries: list[Any], random: Random) -> Any:

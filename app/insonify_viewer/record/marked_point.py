@@ -99,10 +99,10 @@ def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin
     shadow = _shadow(scene.targets, float(labels.shadow[place]), int(labels.shadow_id[place]))
     volume = int(labels.volume_id[place])
     if volume >= 0:
-        return PixelLabel(source=name_part(scene.volumes, volume), shadow=shadow)
+        return PixelLabel(source=name_part(scene.volumes[volume], volume), shadow=shadow)
     target, row, path = int(labels.target_id[place]), int(labels.material[place]), int(labels.path[place])
     return PixelLabel(
-        source=name_part(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
+        source=name_part(scene.targets[target], target) if target >= 0 else "bed" if target == BED else "",
         material=name_materials(scene, simulation.ground)[row] if row >= 0 else "",
         ghost=PATH_NAMES[PATHS[path]] if path > 0 else "",  # the first is the direct one
         shadow=shadow,
@@ -114,7 +114,7 @@ def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin
 def _shadow(targets: tuple[object, ...], share: float, index: int) -> str:
     if index < 0 or share < LEAST:
         return ""
-    of = f"shadow of {name_part(targets, index)}"
+    of = f"shadow of {name_part(targets[index], index)}"
     return of if share >= HIDDEN else f"{100 * share:.0f} % in the {of}"
 
 

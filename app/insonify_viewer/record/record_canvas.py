@@ -21,7 +21,7 @@ from insonify_viewer.record.projection import (
     zoom_to_true_scale,
 )
 from insonify_viewer.record.record import Record
-from insonify_viewer.record.record_image import RecordImage, RecordOverview
+from insonify_viewer.record.record_image import DrawnRows, RecordImage, RecordOverview
 from insonify_viewer.record.tone_map import make_tone_map
 from insonify_viewer.state.inspection import Mark
 from insonify_viewer.widgets.painting import Painted
@@ -53,15 +53,15 @@ class RecordCanvas(Painted):
         self._range, self._step = 1.0, 1.0
         # Amplitudes at the ends of the palette, where the display options leave them to the record.
         self.levels: Levels = (0.0, 1.0)
-        self._look, self._zoom = DisplayOptions(), Zoom()
-        self._marks = overlays.RecordMarks()
-        self._errors: overlays.BinErrors | None = None
+        self.look, self.zoom = DisplayOptions(), Zoom()
+        self.marks = overlays.RecordMarks()
+        self.errors: overlays.BinErrors | None = None
         self._traced: bool | None = None  # whether the echo of one ping is drawn below; None: where the view is high
         self.waiting: Waiting | None = None  # what the bar over the record says
         self._preview = False  # whether rows are interpolated between traced pings
         self._points = self.font().pointSizeF()  # usual size of the text
         self._text = text_scale(self)  # factor on the margins that hold the text
-        self._handle = overlays.ScrubHandle()
+        self.handle = overlays.ScrubHandle()
         self.overview = RecordOverview()
         self._fit()
 
@@ -82,16 +82,30 @@ class RecordCanvas(Painted):
         else:
             self._fit()
 
-    def show_rows(self, rows: Integers, reach: Floats | None = None, *, preview: bool = False) -> None:
-        """Update rows that the record has just received, the last of a preview or not."""
+    def draw_rows(self, amplitude: Singles, altitude: Floats, reach: Floats | None) -> DrawnRows | None:
+        """Draw rows, (n, 2, bins), for `show_rows` beside the window; None for a record of other bins."""
+        layout = self.image.layout
+        if layout is None or layout.projection.axis.bins != amplitude.shape[2]:
+            return None
+        return layout.draw(np.concatenate([amplitude[:, 0, ::-1], amplitude[:, 1]], axis=1), altitude, reach)
+
+    def show_rows(
+        self,
+        rows: Integers,
+        reach: Floats | None = None,
+        *,
+        preview: bool = False,
+        drawn: DrawnRows | None = None,
+    ) -> None:
+        """Update rows that the record has just received, the last of a preview or not, as they are drawn already."""
         self._preview = preview
         if not preview:
             self.overview.put(self.record, rows)
-        if not self.projection.axis.shows_water or self._look.ground_range or not self._look.water_column:
-            axis = choose_axis(self._look, self.record, self._range)
+        if not self.projection.axis.shows_water or self.look.ground_range or not self.look.water_column:
+            axis = choose_axis(self.look, self.record, self._range)
             if axis != self.projection.axis:  # a ping from lower altitude reaches farther on the bed
                 self._fit()
-        self.image.put(rows, self.projection, self.tone_map, reach)
+        self.image.put(rows, self.projection, self.tone_map, reach, drawn)
         self.update()
 
     def show_top(self, ping: int) -> None:
@@ -112,18 +126,18 @@ class RecordCanvas(Painted):
 
     def show_last(self, ping: int) -> None:
         """Set the last ping that the handle reaches; it does not change while the handle is held."""
-        if ping != self._handle.last and not self._handle.held:
-            self._handle.last = ping
+        if ping != self.handle.last and not self.handle.held:
+            self.handle.last = ping
             self.update()
 
     def show_display(self, look: DisplayOptions) -> None:
         """Show the record by other display options."""
-        before, self._look = self._look, look
-        self._handle.newest_on_top = look.newest_on_top
+        before, self.look = self.look, look
+        self.handle.newest_on_top = look.newest_on_top
         self.tone_map = make_tone_map(look, self.levels)
         if any(getattr(before, name) != getattr(look, name) for name in GEOMETRY):
             if before.side != look.side:
-                self._zoom = Zoom()
+                self.zoom = Zoom()
             self._fit()
         else:
             self._paint_rows(np.arange(self.record.pings))
@@ -133,27 +147,27 @@ class RecordCanvas(Painted):
         """Set the amplitudes at the ends of the palette, where the display options leave them to the record."""
         if levels != self.levels:
             self.levels = levels
-            self.tone_map = make_tone_map(self._look, levels)
+            self.tone_map = make_tone_map(self.look, levels)
             self._paint_rows(np.arange(self.record.pings))
             self.recoloured.emit()
 
     def show_zoom(self, zoom: Zoom) -> None:
         """Show a part of the record."""
-        if zoom != self._zoom:
-            self._zoom = zoom
+        if zoom != self.zoom:
+            self.zoom = zoom
             self._fit()
             self.zoomed.emit(zoom)
 
     def show_marks(self, **changes: Any) -> None:
         """Change some of the `RecordMarks`, and draw the record anew unless they are as before."""
-        changed = replace(self._marks, **changes)
-        if changed != self._marks:
-            self._marks = changed
+        changed = replace(self.marks, **changes)
+        if changed != self.marks:
+            self.marks = changed
             self.update()
 
     def show_errors(self, errors: overlays.BinErrors | None) -> None:
         """Lay errors of bins over the record; None takes them away."""
-        self._errors = errors
+        self.errors = errors
         self.update()
 
     def toggle_trace(self) -> None:
@@ -248,23 +262,23 @@ class RecordCanvas(Painted):
 
     def _lay(self) -> None:
         """Place plot and handle in the view."""
-        axis, room, zoom = choose_axis(self._look, self.record, self._range), self._room(), self._zoom
-        across = axis.reach * (2.0 if self._look.side == "both" else 1.0)
+        axis, room, zoom = choose_axis(self.look, self.record, self._range), self._room(), self.zoom
+        across = axis.reach * (2.0 if self.look.side == "both" else 1.0)
         self.plot_area = QRect(room.topLeft(), room.size().expandedTo(QSize(1, 1)))
-        if self._look.scale == "true":
+        if self.look.scale == "true":
             along, size = self.record.pings * self.step, (self.plot_area.width(), self.plot_area.height())
-            zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self._look.newest_on_top)
-        self.projection = project_record(self._look, self.record, axis, zoom, self.top)
-        self._handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
+            zoom = zoom_to_true_scale(zoom, size, across, along, newest_on_top=self.look.newest_on_top)
+        self.projection = project_record(self.look, self.record, axis, zoom, self.top)
+        self.handle.lay(self.plot_area.right() + 8.0, self.plot_area.top(), self.plot_area.height())
 
     def _project(self) -> None:
         known = self.projection
-        self.projection = project_record(self._look, self.record, known.axis, known.zoom, self.top)
+        self.projection = project_record(self.look, self.record, known.axis, known.zoom, self.top)
 
     def _fit(self) -> None:
         """Compute the display columns of every row for the present width."""
         self._lay()
-        self.tone_map = make_tone_map(self._look, self.levels)
+        self.tone_map = make_tone_map(self.look, self.levels)
         width = max(int(self.plot_area.width() * self.devicePixelRatioF()), 2)
         self.image.fit(self.record, self.projection, self.tone_map, width)
         self.update()
@@ -291,8 +305,8 @@ class RecordCanvas(Painted):
         beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
         overlays.draw_ping_ruler(painter, beside, projection, self._step, self._text)
         first, last = (projection.newest - age for age in projection.ages)
-        strip = self.overview.draw(self._handle.room, self._handle.last, self.tone_map)
-        self._handle.draw(painter, self.top, strip, (first, last))
+        strip = self.overview.draw(self.handle.room, self.handle.last, self.tone_map)
+        self.handle.draw(painter, self.top, strip, (first, last))
         painter.save()
         painter.setClipRect(plot)
         self._draw_over(painter, plot)
@@ -301,25 +315,25 @@ class RecordCanvas(Painted):
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
         """Draw lines, marks and the bar of what is waited for over the record."""
-        if self._errors is not None and self._errors.shares.shape[1] == 2 * self.record.bins:
-            overlays.draw_errors(painter, plot, self.projection, self._errors)
-        if self._look.range_lines:
+        if self.errors is not None and self.errors.shares.shape[1] == 2 * self.record.bins:
+            overlays.draw_errors(painter, plot, self.projection, self.errors)
+        if self.look.range_lines:
             overlays.draw_range_lines(painter, plot, self.projection, self._text)
-        if self._look.bottom_line:
+        if self.look.bottom_line:
             overlays.draw_bottom_line(painter, plot, self.projection)
         overlays.draw_range_bar(painter, plot, self.projection)
         if self.waiting is not None:
             overlays.draw_waiting(painter, plot, self.waiting)
         elif self._preview:
             overlays.draw_word(painter, plot, "preview")
-        self._marks.draw(painter, plot, self.place_of)
+        self.marks.draw(painter, plot, self.place_of)
 
     def _draw_trace(self, painter: QPainter) -> None:
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the newest one."""
         area, record, caption = self.trace_area(), self.record, self.trace_caption()
         if area is None and caption is not None:
             draw_caption(painter, caption, HIDDEN_TRACE)
-        mark = self._marks.pointed
+        mark = self.marks.pointed
         ping = self.top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])
         if area is None or record.ping[row] != ping:

@@ -38,15 +38,15 @@ class RecordHandles(QObject):
     def __init__(self, places_of: Callable[[Integers], Integers], changed: Callable[[], None], parent: QObject) -> None:
         super().__init__(parent)
         self._places_of, self._changed = places_of, changed
-        self._shown: Sequence[Shown] = ()
+        self.shown: Sequence[Shown] = ()
         self._marks, self._chosen = np.zeros((0, 3), np.int64), np.zeros(0, np.bool_)
         self._mouse = QPoint(-1000, -1000)
         self.held = False
 
     def show(self, handles: Sequence[Shown]) -> None:
         """Show handles: number, bin, what a drag does, and whether it belongs to the chosen target."""
-        if handles != self._shown:
-            self._shown = handles
+        if handles != self.shown:
+            self.shown = handles
             marks = [(mark.ping, mark.side, mark.bin) for _, mark, _, _ in handles]
             self._marks = np.array(marks, np.int64).reshape(-1, 3)
             self._chosen = np.array([chosen for *_, chosen in handles], np.bool_)
@@ -54,7 +54,7 @@ class RecordHandles(QObject):
 
     def place(self, number: int) -> QPoint:
         """Position of a handle in the view."""
-        place = next(place for place, (shown, *_) in enumerate(self._shown) if shown == number)
+        place = next(place for place, (shown, *_) in enumerate(self.shown) if shown == number)
         return QPoint(*self._places_of(self._marks[place : place + 1])[0].tolist())
 
     def take(self, place: QPoint, mark: Mark | None) -> bool:
@@ -87,7 +87,7 @@ class RecordHandles(QObject):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         places = self._places_of(self._marks)
         for k in np.flatnonzero(self._visible(places)).tolist():
-            _, _, action, chosen = self._shown[k]
+            _, _, action, chosen = self.shown[k]
             _draw(painter, QPointF(*places[k].tolist()), action, chosen=chosen)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
 
@@ -98,8 +98,8 @@ class RecordHandles(QObject):
         """Return the nearest handle within reach of the mouse; ends before middles, which move the whole."""
         distance = _distances(places, place)
         within = np.flatnonzero(distance <= GRIP).tolist()
-        ranks = [(self._shown[k][2] == "move", int(distance[k]), self._shown[k][0], k) for k in within]
-        return self._shown[min(ranks)[-1]] if ranks else None
+        ranks = [(self.shown[k][2] == "move", int(distance[k]), self.shown[k][0], k) for k in within]
+        return self.shown[min(ranks)[-1]] if ranks else None
 
 
 def _distances(places: Integers, place: QPoint) -> Integers:

@@ -1,6 +1,9 @@
 """Pictures of a record: a ring of coloured rows, each coloured once, and all pings beside the scroll handle."""
 
+from __future__ import annotations
+
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +22,50 @@ COLUMNS = 20  # from far port to far starboard
 GROWTH = 1024  # pings for which there is room beyond the last one
 
 
+class Layout(NamedTuple):
+    """What the picture of a row depends on, besides the row."""
+
+    projection: Projection
+    tone_map: ToneMap
+    width: int  # in columns
+
+    def fits(self, projection: Projection, width: int) -> bool:
+        """Whether a projection on a width has the same columns."""
+        one, other = self.projection, projection
+        same = (one.axis, one.side, one.zoom, self.width) == (other.axis, other.side, other.zoom, width)
+        return same and np.array_equal(np.asarray(one.factors), np.asarray(other.factors))
+
+    def draw(self, amplitude: Singles, altitude: Floats, reach: Floats | None) -> DrawnRows:
+        """Average and colour rows, on any thread; `WaterfallView.show_rows` explains the parameters."""
+        projection = self.projection
+        if projection.factors is not None:
+            amplitude = amplitude * projection.factors
+        means = projection.columns(amplitude, np.nan_to_num(altitude), self.width)
+        if reach is not None and len(means):
+            means = blur_along_track(means, reach[projection.bins_of_columns(projection.newest, self.width)])
+        return DrawnRows(self, means, _coloured(means, projection, self.tone_map))
+
+
+class DrawnRows(NamedTuple):
+    """Rows of a record as they are shown."""
+
+    layout: Layout
+    means: Singles  # (n, width) amplitudes in display columns
+    colours: NDArray[np.uint32]  # (n, width) as 0xffRRGGBB
+
+
 class RecordImage:
     """Display columns and colours of the rows of a record."""
 
     def __init__(self) -> None:
         self.version = 0
         self.oldest = -1
+        self.layout: Layout | None = None
 
     def fit(self, record: Record, projection: Projection, tone_map: ToneMap, width: int) -> None:
         """Compute the display columns and the colours of every row for a width."""
         self._record, self._downwards = record, projection.newest_on_top
+        self.layout = Layout(projection, tone_map, width)
         self._columns = np.zeros((record.pings, width), dtype=np.float32)
         held = np.flatnonzero(record.ping >= 0)
         if held.size:
@@ -38,14 +75,22 @@ class RecordImage:
         self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
         self.paint(np.arange(record.pings), projection, tone_map)
 
-    def put(self, rows: Integers, projection: Projection, tone_map: ToneMap, reach: Floats | None) -> None:
+    def put(
+        self,
+        rows: Integers,
+        projection: Projection,
+        tone_map: ToneMap,
+        reach: Floats | None,
+        drawn: DrawnRows | None = None,
+    ) -> None:
         """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
-        means = self._averaged(rows, projection)
-        if reach is not None and rows.size:
-            bins = projection.bins_of_columns(projection.newest, means.shape[1])
-            means = blur_along_track(means, reach[bins])
-        self._columns[rows] = means
-        self._put_colours(rows, _coloured(means, projection, tone_map), projection)
+        self.layout = Layout(projection, tone_map, self._columns.shape[1])
+        if drawn is None or not drawn.layout.fits(projection, self.layout.width):
+            drawn = self.layout.draw(self._record.amplitude[rows], self._record.altitude[rows], reach)
+        elif drawn.layout.tone_map is not tone_map:
+            drawn = drawn._replace(colours=_coloured(drawn.means, projection, tone_map))
+        self._columns[rows] = drawn.means
+        self._put_colours(rows, drawn.colours, projection)
 
     def paint(self, rows: Integers, projection: Projection, tone_map: ToneMap) -> None:
         """Colour rows that hold a ping anew; blank rows of pings outside the picture."""
@@ -123,7 +168,7 @@ class RecordOverview:
     """Amplitudes of every recorded ping in a few columns; a new edit of the scene begins it anew."""
 
     def __init__(self) -> None:
-        self._columns = np.zeros((0, COLUMNS), dtype=np.float32)  # NaN for pings that were not recorded
+        self.columns = np.zeros((0, COLUMNS), dtype=np.float32)  # NaN for pings that were not recorded
         self._stamp = 0  # of the edit that is shown, 0 for a record that does not change
         self._drawn: tuple[int, int, ToneMap] | None = None  # height, last ping and colours of the picture
         self._pixels: NDArray[np.uint32] = np.zeros((1, COLUMNS), dtype=np.uint32)
@@ -132,17 +177,17 @@ class RecordOverview:
         """Take over rows that a record has just received."""
         stamp = int(record.stamp[rows].max(initial=-1))
         if stamp > self._stamp:
-            self._stamp, self._columns[:] = stamp, np.nan
+            self._stamp, self.columns[:] = stamp, np.nan
         if rows.size and stamp == self._stamp:
             self.fill(record.ping[rows], column_means(record.amplitude[rows], COLUMNS))
 
     def fill(self, pings: Integers, columns: Singles) -> None:
         """Take over the amplitudes of pings in `COLUMNS` columns."""
-        if (beyond := int(pings.max(initial=-1)) + 1) > len(self._columns):
-            self._columns = np.pad(
-                self._columns, ((0, beyond + GROWTH - len(self._columns)), (0, 0)), constant_values=np.nan
+        if (beyond := int(pings.max(initial=-1)) + 1) > len(self.columns):
+            self.columns = np.pad(
+                self.columns, ((0, beyond + GROWTH - len(self.columns)), (0, 0)), constant_values=np.nan
             )
-        self._columns[pings] = columns
+        self.columns[pings] = columns
         self._drawn = None
 
     def draw(self, height: int, last: int, tone_map: ToneMap) -> QImage:
@@ -150,7 +195,7 @@ class RecordOverview:
         if self._drawn is None or self._drawn[:2] != (height, last) or self._drawn[2] is not tone_map:
             self._drawn = height, last, tone_map
             edges = np.arange(height) * (last + 1) // height
-            known = np.pad(self._columns, ((0, max(last + 1 - len(self._columns), 0)), (0, 0)), constant_values=np.nan)
+            known = np.pad(self.columns, ((0, max(last + 1 - len(self.columns), 0)), (0, 0)), constant_values=np.nan)
             there = np.isfinite(known[: last + 1])
             sums = np.add.reduceat(np.where(there, known[: last + 1], np.float32(0.0)), edges)
             count = np.add.reduceat(there.astype(np.float32), edges)

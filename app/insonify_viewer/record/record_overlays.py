@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, QSize, Qt
@@ -30,27 +29,33 @@ APART = 14  # px, between a measured line and what it measures
 LABEL = 92.0  # px, of the ping beside a held handle
 
 
-class BinErrors(NamedTuple):
-    """Estimated errors of the bins of every few pings."""
+@dataclass(eq=False)
+class BinErrors:
+    """Estimated errors of the bins of successive pings."""
 
-    pings: Integers  # (n,) numbers, the newest first, as far apart as the first two
+    pings: Integers  # (n,) numbers, the newest first
     shares: Singles  # (n, 2 bins) of the mean echoes, from far port over nadir to far starboard; 0 where not known
     altitude: Floats  # (n,) in metres
     full: float  # share that is drawn in full colour
+    _drawn: tuple[object, QImage] | None = None  # the picture, and what it is of
+
+    def picture(self, projection: Projection, width: int) -> QImage:
+        """Draw the errors in the columns of a plot, the more opaque the greater they are; scrolling changes nothing."""
+        of = projection.axis, projection.side, projection.shown, width
+        if self._drawn is None or self._drawn[0] != of:
+            columns = projection.columns(self.shares, self.altitude, width)
+            pixels = np.empty((*columns.shape, 4), np.uint8)
+            pixels[..., :3] = np.array(QColor(LIT).toTuple())[:3]
+            pixels[..., 3] = np.rint(MOST_OPAQUE * np.clip(columns / np.float32(self.full), 0.0, 1.0))
+            self._drawn = of, image_of(pixels)
+        return self._drawn[1]
 
 
 def draw_errors(painter: QPainter, plot: QRect, projection: Projection, errors: BinErrors) -> None:
-    """Lay the errors of bins over a record, the more opaque the greater they are."""
-    if len(errors.pings) < 2:
-        return
-    apart = errors.pings[0] - errors.pings[1]
-    ends = projection.down(np.array([errors.pings[0], errors.pings[-1] - apart], float)) * plot.height() + plot.top()
-    columns = projection.columns(errors.shares, errors.altitude, plot.width())
-    opacity = np.clip(columns / np.float32(errors.full), 0.0, 1.0)
-    pixels = np.empty((*columns.shape, 4), np.uint8)
-    pixels[..., :3] = np.array(QColor(LIT).toTuple())[:3]
-    pixels[..., 3] = np.rint(MOST_OPAQUE * opacity)
-    image = image_of(pixels if ends[1] > ends[0] else pixels[::-1])
+    """Lay the errors of bins over a record."""
+    ends = projection.down(errors.pings[[0, -1]] - np.array([0.0, 1.0])) * plot.height() + plot.top()
+    image = errors.picture(projection, plot.width())
+    image = image if ends[1] > ends[0] else image.flipped(Qt.Orientation.Vertical)
     painter.drawImage(QRectF(plot.left(), min(ends), plot.width(), abs(ends[1] - ends[0])), image)
 
 

@@ -56,7 +56,7 @@ class WaterfallView(RecordCanvas):
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.setAccessibleName("Record")
         self.setAccessibleDescription(KEYS)
-        self._measuring, self._title = False, ""
+        self._measuring, self.title = False, ""
         self._begun: Mark | None = None  # where the Return key has begun a line
         self.is_covered: Callable[[QPoint], bool] = lambda _: False
         self._cursor = RecordCursor(lambda: self.plot_area, self.mark_at, self.place_of)
@@ -90,8 +90,8 @@ class WaterfallView(RecordCanvas):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take hold of the handle, or move it to a place on its rail; or begin a click or a drag."""
-        if event.button() is Qt.MouseButton.LeftButton and self._handle.contains(event.position()):
-            self._handle.held = True
+        if event.button() is Qt.MouseButton.LeftButton and self.handle.contains(event.position()):
+            self.handle.held = True
             self._scrub(event)
         elif event.button() is Qt.MouseButton.LeftButton and not self._take_handle(event.position().toPoint()):
             self._pressed = event.position().toPoint()
@@ -106,8 +106,8 @@ class WaterfallView(RecordCanvas):
             self.handles.release()
             if self._taken is not None and (place - self._taken).manhattanLength() <= STILL:
                 self._click(place)
-        elif self._handle.held:
-            self._handle.held = False
+        elif self.handle.held:
+            self.handle.held = False
             self.update()
         elif pressed is not None and dragged is None and (place - pressed).manhattanLength() <= STILL:
             self._click(place)
@@ -123,7 +123,7 @@ class WaterfallView(RecordCanvas):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Signal the bin under the mouse, or the ping at the handle; or go on with a drag."""
         place = event.position().toPoint()
-        if self._handle.held:
+        if self.handle.held:
             self._scrub(event)
             return
         if self.handles.held:
@@ -132,7 +132,7 @@ class WaterfallView(RecordCanvas):
             return
         if self._pressed is not None and (self._dragged or (place - self._pressed).manhattanLength() > STILL):
             self._drag(place)
-        on_rail = self._handle.contains(event.position())
+        on_rail = self.handle.contains(event.position())
         gripped = self.handles.hover(place)
         cross = Qt.CursorShape.SizeAllCursor if gripped else Qt.CursorShape.CrossCursor
         self.setCursor(Qt.CursorShape.SizeVerCursor if on_rail else cross)
@@ -149,8 +149,8 @@ class WaterfallView(RecordCanvas):
     def show_title(self, title: str) -> None:
         """Write a title above the record; an empty one is none."""
         title = plain_text(title)
-        if title != self._title:
-            self._title = title
+        if title != self.title:
+            self.title = title
             self.setAccessibleName(f"Record {title}".strip())
             self.update()
 
@@ -160,7 +160,7 @@ class WaterfallView(RecordCanvas):
         plot, metrics = self.plot_area, painter.fontMetrics()
         painter.setPen(QColor(TEXT))
         room = plot.width() - 2 * metrics.horizontalAdvance("starboard") - 16
-        title = metrics.elidedText(self._title, Qt.TextElideMode.ElideMiddle, max(room, 0))
+        title = metrics.elidedText(self.title, Qt.TextElideMode.ElideMiddle, max(room, 0))
         heading = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), self._scaled(16))
         painter.drawText(heading, Qt.AlignmentFlag.AlignHCenter, title)
 
@@ -191,12 +191,12 @@ class WaterfallView(RecordCanvas):
         """Show what lies to the right by a share of the plot, and below by some pings."""
         zoom, pings = self.projection.zoom, self.record.pings
         moved = zoom.moved(across, down / ((zoom.lower - zoom.upper) * pings))
-        self.show_zoom(moved if moved != zoom else self._zoom)
+        self.show_zoom(moved if moved != zoom else self.zoom)
         # The zoom goes no farther; the tow may.
         self._scroll_by(down - (moved.upper - zoom.upper) * pings)
 
     def _scrub(self, event: QMouseEvent) -> None:
-        self.scrubbed.emit(self._handle.ping_at(event.position()))
+        self.scrubbed.emit(self.handle.ping_at(event.position()))
         self.update()
 
     @guard_override(None)
@@ -218,7 +218,7 @@ class WaterfallView(RecordCanvas):
 
     def _scroll_by(self, pings: float) -> None:
         """Move the picture up by some pings, and signal by how many to look back; touchpads send fractions."""
-        self._notches += pings if self._look.newest_on_top else -pings
+        self._notches += pings if self.look.newest_on_top else -pings
         whole = int(self._notches)
         if whole:
             self._notches -= whole
@@ -243,7 +243,7 @@ class WaterfallView(RecordCanvas):
             self._move_under_cursor(PAGES[key] * abs(lower - upper))
             self._point()
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End) and keys == Qt.KeyboardModifier.ControlModifier:
-            self._go_to_end((key == Qt.Key.Key_Home) == self._look.newest_on_top)
+            self._go_to_end((key == Qt.Key.Key_Home) == self.look.newest_on_top)
         elif key in ENTER and not keys:
             self._enter()
         else:
@@ -268,9 +268,9 @@ class WaterfallView(RecordCanvas):
 
     def _step_down(self, pings: int) -> None:
         """Move the record under the cursor, or the cursor where the record goes no farther."""
-        before = self.top, self._zoom
+        before = self.top, self.zoom
         self._move_under_cursor(pings)
-        if (self.top, self._zoom) == before:
+        if (self.top, self.zoom) == before:
             for _ in range(abs(pings)):
                 self._cursor.step(0, 1 if pings > 0 else -1)
 
@@ -282,7 +282,7 @@ class WaterfallView(RecordCanvas):
 
     def _go_to_end(self, newest: bool) -> None:
         """Signal the last ping of the tow, or the one on top of its first page."""
-        place, last = self._cursor.place, self._handle.last
+        place, last = self._cursor.place, self.handle.last
         self.scrubbed.emit(last if newest else min(self.record.pings - 1, last))
         self._cursor.put(place)
         self._point()

@@ -54,7 +54,7 @@ class SeabedController:
     menu_wanted = Signal(object, object)  # the place under the mouse, or None, and the place of the screen
 
     def __init__(self, simulator: Simulator, inspection: Inspection, *, accelerated: bool) -> None:
-        self._simulator, self._inspection, self._accelerated = simulator, inspection, accelerated
+        self._simulator, self._inspection, self.accelerated = simulator, inspection, accelerated
         self.view: SeabedView | None = None  # None until it is loaded
         self.by_depth = False  # whether the bed is coloured by its depth
         self.shadows = False  # whether acoustic shadows of targets are shown
@@ -69,7 +69,7 @@ class SeabedController:
         self._subject: tuple[float, float] | None = None  # place of the bed that the camera shows
         self._strip: RecordStrip | None = None  # what is laid over the bed
         self.mosaic: MosaicSheet | None = None  # what is laid over the bed beneath the record
-        self._patch: BedPatch | None = None  # the bed on screen
+        self.patch: BedPatch | None = None  # the bed on screen
         self._drape_asked = self._drape_shown = 0
         self._grips: Sequence[Grip] = ()
 
@@ -82,7 +82,7 @@ class SeabedController:
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
         self._loading = VIEW not in sys.modules
-        if self._accelerated:
+        if self.accelerated:
             load_qt_modules()
         self._executor.submit("libraries", self._import, lambda _: self._build(put))
 
@@ -148,7 +148,7 @@ class SeabedController:
 
     def _drape(self) -> None:
         """Lay mosaic and record over the bed, on a thread of its own."""
-        patch, strip, mosaic = self._patch, self._strip, self.mosaic
+        patch, strip, mosaic = self.patch, self._strip, self.mosaic
         if patch is None or self.view is None:
             return
         self._drape_asked += 1
@@ -156,7 +156,7 @@ class SeabedController:
 
         def show(image: Bytes | None) -> None:
             self._drape_shown = number
-            if self.view is not None and image is not None and patch is self._patch:
+            if self.view is not None and image is not None and patch is self.patch:
                 self.view.show_texture(image)
 
         self._executor.submit("drape", lambda: _picture_of(patch, strip, mosaic), show)
@@ -212,7 +212,7 @@ class SeabedController:
 
     def _import(self) -> None:
         import_module(VIEW)  # takes a second or two
-        if self._accelerated:
+        if self.accelerated:
             import_module("pyvistaqt")
 
     def _build(self, put: Callable[[SeabedView], None]) -> None:
@@ -221,11 +221,11 @@ class SeabedController:
 
         if self._loading:
             leave_out_libraries()
-        self.view = SeabedView(accelerated=self._accelerated)
+        self.view = SeabedView(accelerated=self.accelerated)
         self.view.reset_camera(self._subject)
         self.view.sighted.connect(self._pick)
         self.view.zoom_wanted.connect(self._zoom)
-        self.view.menu_wanted.connect(lambda *sight: self.menu_wanted.emit(self._meet(*sight[:3]), sight[3]))
+        self.view.menu_wanted.connect(lambda *sight: self.menu_wanted.emit(self.meet(*sight[:3]), sight[3]))
         self._inspection.drawn.connect(self.view.show_sound)
         self._inspection.picked.connect(self.view.show_pick)
         handles = self.view.handles
@@ -292,16 +292,16 @@ class SeabedController:
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
         """Signal the nearest place of a target or of the bed along a line of sight."""
-        if (place := self._meet(begin, end, target)) is not None:
+        if (place := self.meet(begin, end, target)) is not None:
             self.picked.emit(place)
 
     def _zoom(self, begin: Vector, end: Vector, target: Vector | None, factor: float) -> None:
         """Zoom about what lies on a line of sight, or about the focus of the camera where nothing does."""
         if self.view is not None:
-            place = self._meet(begin, end, target)
+            place = self.meet(begin, end, target)
             self.view.magnify(factor) if place is None else self.view.zoom_about(place, factor)
 
-    def _meet(self, begin: Vector, end: Vector, target: Vector | None) -> tuple[float, float, float] | None:
+    def meet(self, begin: Vector, end: Vector, target: Vector | None) -> tuple[float, float, float] | None:
         """Find the nearest place of a target or of the bed along a line of sight."""
         if self._latest is None:
             return None
@@ -346,7 +346,7 @@ class SeabedController:
         if isinstance(made, (SceneError, Failure)):
             self.failed.emit(made)
             return
-        self._patch = made[0]
+        self.patch = made[0]
         self.view.show_bed(*made[:2])
         if number >= self._owed:
             self._owed = 0

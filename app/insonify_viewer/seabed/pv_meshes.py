@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pyvista as pv
 
 from insonify.arrays import Bytes, Floats, Integers, Singles
 from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
@@ -15,6 +14,7 @@ from insonify.scene.targets.shape import rotation_matrix
 from insonify.scene.volumes import Volume
 from insonify_viewer.core_types import AnyGround, TowLine
 from insonify_viewer.seabed.bed_shading import BedPatch, bed_image, sample_heights
+from insonify_viewer.seabed.lean_pyvista import pv
 
 MESH_NODES = 257
 THINNED = 2  # every so many nodes are drawn while the view is turned

@@ -2,9 +2,9 @@
 
 import time
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
-import pyvista
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QSizeF, Qt
 from PySide6.QtGui import (
     QContextMenuEvent,
@@ -19,10 +19,8 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.arrays import Bytes
 from insonify_viewer.errors import guard_override
+from insonify_viewer.seabed.lean_pyvista import pv
 from insonify_viewer.widgets.painting import Painted, image_of
-
-# PyVista is untyped.
-pv: Any = pyvista
 
 STILL = 3  # px by which the mouse may move in a click
 STEP = 5.0  # degrees that a key turns the view
@@ -41,10 +39,7 @@ class InteractiveCanvas:
     """An OpenGL widget that the mouse turns."""
 
     def __init__(self, parent: QWidget) -> None:
-        from pyvistaqt import QtInteractor
-
-        make: Any = QtInteractor
-        self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
+        self.plotter: Any = import_module("pyvistaqt").QtInteractor(parent, auto_update=False, multi_samples=0)
         self.plotter.enable_terrain_style(mouse_wheel_zooms=False)
         # VTK's keys would close the view or turn on stereo; the keys belong to the window.
         for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):

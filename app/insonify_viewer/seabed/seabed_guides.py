@@ -4,17 +4,16 @@ import math
 from typing import Any
 
 import numpy as np
-import pyvista
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QLinearGradient, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 from vtkmodules.vtkRenderingCore import vtkActor2D, vtkImageMapper
 
 from insonify_viewer.seabed.bed_shading import depth_palette
+from insonify_viewer.seabed.lean_pyvista import pv
 from insonify_viewer.widgets.painting import round_steps
 from insonify_viewer.widgets.theme import HALO, OVER_WATER, text_scale
 
-pv: Any = pyvista  # untyped
 WIDE, HIGH, BARS = 236, 84, 150.0  # px at the usual size of the text: of the picture, and the greatest length of a bar
 LEFT, LINE, AWAY = 52.0, 20.0, 10  # px: of the bars, of a line of text, from the corner of the view
 ARROW = [(0.0, -12.0), (7.0, 12.0), (0.0, 7.0), (-7.0, 12.0)]
@@ -24,7 +23,7 @@ class SeabedGuides:
     """A picture over the lower left corner of a view, painted anew when what it shows changes."""
 
     def __init__(self, plotter: Any, widget: QWidget) -> None:
-        self._widget, self._shown = widget, (0.0, 0.0, (0.0, 0.0), 0.0)
+        self._widget, self.shown = widget, (0.0, 0.0, (0.0, 0.0), 0.0)
         self._mapper = vtkImageMapper()
         self._mapper.SetColorWindow(255.0)
         self._mapper.SetColorLevel(127.5)
@@ -37,9 +36,9 @@ class SeabedGuides:
         """Show metres of a pixel, the bearing of the view from east, rad, and the ends of the colours of depths."""
         ratio = self._widget.devicePixelRatioF()
         shown = float(f"{metres:.2g}"), round(math.degrees(bearing)), depths or (0.0, 0.0), ratio
-        if shown == self._shown or not metres > 0.0:
+        if shown == self.shown or not metres > 0.0:
             return
-        self._shown, large = shown, text_scale(self._widget)
+        self.shown, large = shown, text_scale(self._widget)
         image = QImage(round(WIDE * large * ratio), round(HIGH * large * ratio), QImage.Format.Format_RGBA8888)
         image.setDevicePixelRatio(ratio)
         image.fill(Qt.GlobalColor.transparent)

@@ -4,16 +4,15 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import pyvista
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.arrays import Floats
 from insonify_viewer.errors import guard_override
+from insonify_viewer.seabed.lean_pyvista import pv
 from insonify_viewer.widgets.theme import ACCENT_IN_WATER, MARK_IN_WATER
 
-pv: Any = pyvista  # untyped
 Grip = tuple[tuple[float, float, float], str, bool]
 REACH = 11.0  # px from a handle at which the mouse takes hold of it
 POINTS = 13.0  # px, size of a handle

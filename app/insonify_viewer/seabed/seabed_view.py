@@ -7,7 +7,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pyvista
 from PySide6.QtCore import QPoint, QPointF, QTimer, Signal
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QVBoxLayout, QWidget
@@ -17,6 +16,7 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify_viewer.seabed import pv_meshes
 from insonify_viewer.seabed.bed_shading import BedPatch
 from insonify_viewer.seabed.cameras import CAMERAS, USUAL
+from insonify_viewer.seabed.lean_pyvista import pv
 from insonify_viewer.seabed.pv_meshes import ScanFan, ScanLine
 from insonify_viewer.seabed.seabed_canvas import InteractiveCanvas, OffScreenCanvas, SeabedInput
 from insonify_viewer.seabed.seabed_guides import SeabedGuides
@@ -26,9 +26,6 @@ from insonify_viewer.state.inspection import SoundDrawing
 from insonify_viewer.widgets.layouts import fill
 from insonify_viewer.widgets.painting import LIT, image_of
 from insonify_viewer.widgets.theme import MARK_IN_WATER, text_scale
-
-# PyVista is untyped.
-pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
 EASE = 0.5, 25  # how long the camera takes to a new place, s, and the time between its steps, ms
@@ -57,11 +54,11 @@ class SeabedView(QWidget):
 
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
-        fill(QVBoxLayout(self), self._canvas.widget, margins=(0, 0, 0, 0))
-        self._reach = 0.0  # slant range of the sonar that is shown, m
+        self.canvas = InteractiveCanvas(self) if accelerated else OffScreenCanvas(self)
+        fill(QVBoxLayout(self), self.canvas.widget, margins=(0, 0, 0, 0))
+        self.reach = 0.0  # slant range of the sonar that is shown, m
         self.reset_camera()
-        self._pose: Poses | None = None  # of the fish that is shown
+        self.pose: Poses | None = None  # of the fish that is shown
         self._heading = 0.0
         self._bed_shown = self._held = False
         self._window = 0.0, 0.0, 0.0  # middle of the bed on screen, and half of its side
@@ -69,104 +66,104 @@ class SeabedView(QWidget):
         self._fan = ScanFan()
         self.shadows: list[Floats] = []  # slices of the acoustic shadows that are shown
         self._path = pv.MultipleLines(np.zeros((pv_meshes.PATH_POINTS, 3)))
-        self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
+        self.bed, self.thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
-        self._canvas.on_turn(self._clip)
-        self._canvas.on_hold(self._thin)
-        self._canvas.on_click(self.look_at)
+        self.canvas.on_turn(self._clip)
+        self.canvas.on_hold(self._thin)
+        self.canvas.on_click(self.look_at)
         self._drawn, self.draw_time = 0.0, 0.05  # when the last drawing ended, and how long it took, in seconds
         self._awaited: Callable[[], None] | None = None
         self.eases = accelerated  # whether the camera glides to another place about the fish; a picture is drawn there
         # When the camera left, and where it and its focus were and will be, as seen from the fish.
         self._glide = 0.0, np.zeros((2, 3)), np.zeros((2, 3))
-        self._gliding = QTimer(self, interval=EASE[1])
-        self._gliding.timeout.connect(self._step_camera)
+        self.gliding = QTimer(self, interval=EASE[1])
+        self.gliding.timeout.connect(self._step_camera)
         self._due = QTimer(self, singleShot=True)
         self._due.timeout.connect(self.draw_now)
-        self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
-        self.guides = SeabedGuides(self._canvas.plotter, self._canvas.widget)
+        self.handles = SeabedHandles(self.canvas.plotter, self.canvas.widget, self._sight, self._later)
+        self.guides = SeabedGuides(self.canvas.plotter, self.canvas.widget)
         SeabedInput(
-            self._canvas.widget,
+            self.canvas.widget,
             clicked=self._want_menu,
-            wheeled=lambda place, factor: self.zoom_wanted.emit(*self._look_from(place), factor),
+            wheeled=lambda place, factor: self.zoom_wanted.emit(*self.look_from(place), factor),
             turned=self.turn,
             zoomed=self.magnify,
         )
-        self._canvas.widget.setAccessibleName("Seabed in 3-D")
+        self.canvas.widget.setAccessibleName("Seabed in 3-D")
 
     def show_bed(self, patch: BedPatch, picture: Bytes | None = None) -> None:
         """Show another bed in its own colours or, from its first drawing on, under a picture."""
-        self._bed.points = patch.points
+        self.bed.points = patch.points
         nodes = patch.points.reshape(pv_meshes.MESH_NODES, pv_meshes.MESH_NODES, 3)  # its edges stay when it is thinned
-        self._thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
+        self.thinned_bed.points = nodes[:: pv_meshes.THINNED, :: pv_meshes.THINNED].reshape(-1, 3)
         self.show_texture(patch.image if picture is None else picture)
         self._bed_shown, self._depths = True, patch.depths
         self._window = (*patch.centre, patch.half)
-        self._swath.cover(self._window)
+        self.swath.cover(self._window)
         self._thin(self._held)
 
     def fade_bed(self, faded: bool) -> None:
         """Fade bed, targets and volumes while they belong to an earlier scene than the record."""
         opacity = FADED if faded else 1.0
-        if self._bed_actor.prop.opacity != opacity:
-            for actor in (self._bed_actor, self._thinned_actor, self._targets_actor):
+        if self.bed_actor.prop.opacity != opacity:
+            for actor in (self.bed_actor, self.thinned_actor, self.targets_actor):
                 actor.prop.opacity = opacity
-            self._volumes_actor.prop.opacity = CLOUDED * opacity
+            self.volumes_actor.prop.opacity = CLOUDED * opacity
             self._later()
 
     def show_texture(self, picture: Bytes) -> None:
         """Show other colours of the bed."""
         image = pv.Texture(picture).to_image()
-        for actor in (self._bed_actor, self._thinned_actor):  # OpenGL would keep the pixels of other textures for good
+        for actor in (self.bed_actor, self.thinned_actor):  # OpenGL would keep the pixels of other textures for good
             actor.texture.SetInputData(image)
             actor.texture.Modified()
         self._later()
 
     def show_targets(self, triangles: Floats, colours: Bytes, volumes: Singles) -> None:
         """Show other targets, as coloured triangles, and other volumes of the water column, as points."""
-        self._targets_actor.visibility, self._volumes_actor.visibility = len(triangles) > 0, len(volumes) > 0
+        self.targets_actor.visibility, self.volumes_actor.visibility = len(triangles) > 0, len(volumes) > 0
         if len(triangles):
             mesh = pv_meshes.triangles_mesh(triangles)
             mesh.cell_data["colour"] = colours
-            self._targets_actor.mapper.SetInputData(mesh)
+            self.targets_actor.mapper.SetInputData(mesh)
         if len(volumes):
-            self._volumes_actor.mapper.SetInputData(pv.PolyData(volumes))
+            self.volumes_actor.mapper.SetInputData(pv.PolyData(volumes))
         self._later()
 
     def show_sonar(self, arrays: SceneArrays, pose: Poses, heading: float) -> None:
         """Move the fish; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
-        self._fish_actor.visibility = self._cable_actor.visibility = True
+        self.fish_actor.visibility = self._cable_actor.visibility = True
         self._follow(pose, heading, reach)
         self._later()
 
     def show_scan(self, arrays: SceneArrays, pose: Poses, scanned: ScanLine, tones: Singles) -> None:
         """Move fan and footprint to the line of the bed that is scanned."""
         self._fan.move(arrays, pose, scanned, tones)
-        self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
-        self._sheet_actor.visibility = self._footprint_actor.visibility = True
-        self._swath.show(pose, scanned, arrays.bins * arrays.bin_length, text_scale(self), self._window)
+        self.sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
+        self.sheet_actor.visibility = self._footprint_actor.visibility = True
+        self.swath.show(pose, scanned, arrays.bins * arrays.bin_length, text_scale(self), self._window)
         self._later()
 
     def show_sheet(self, triangles: Floats) -> None:
         """Show the fan as triangles, (n, 3, 3), until the sonar moves on."""
         if len(triangles):
-            self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
+            self.sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
             self._later()
 
     def show_shadows(self, slices: Sequence[Floats]) -> None:
         """Show the last slices of acoustic shadows, each of triangles (n, 3, 3)."""
         self.shadows = [each for each in slices if len(each)][-SLICES:]
-        self._shadow_actor.visibility = bool(self.shadows)
+        self.shadow_actor.visibility = bool(self.shadows)
         if self.shadows:
-            self._shadow_actor.mapper.SetInputData(pv_meshes.triangles_mesh(np.concatenate(self.shadows)))
+            self.shadow_actor.mapper.SetInputData(pv_meshes.triangles_mesh(np.concatenate(self.shadows)))
         self._later()
 
     def show_path(self, path: Poses) -> None:
         """Draw the track through `PATH_POINTS` poses."""
         self._path.points = np.column_stack([path.x, path.y, path.z]).astype(np.float32)
         self._path_actor.visibility = True
-        self._swath.show_path(path, self._reach)
+        self.swath.show_path(path, self.reach)
         self._later()
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
@@ -180,12 +177,12 @@ class SeabedView(QWidget):
     def _put_pin(self, actor: Any, place: tuple[float, float, float] | None) -> None:
         actor.visibility = place is not None
         if place is not None:
-            actor.position, actor.scale = place, self._reach
+            actor.position, actor.scale = place, self.reach
         self._later()
 
     def show_sound(self, drawing: SoundDrawing | None) -> None:
         """Draw the sound of a pixel; None removes it."""
-        self._sound.show(drawing, self._reach)
+        self.sound.show(drawing, self.reach)
         self._later()
 
     def look_at(self, x: float, y: float) -> None:
@@ -194,26 +191,26 @@ class SeabedView(QWidget):
 
     def _want_menu(self, place: QPoint) -> None:
         """Signal that a menu is wanted at a place of the view."""
-        self.menu_wanted.emit(*self._look_from(place), self._canvas.widget.mapToGlobal(place))
+        self.menu_wanted.emit(*self.look_from(place), self.canvas.widget.mapToGlobal(place))
 
-    def _look_from(self, place: QPoint | QPointF) -> tuple[Floats, Floats, Floats | None]:
+    def look_from(self, place: QPoint | QPointF) -> tuple[Floats, Floats, Floats | None]:
         """Line of sight through a place of the widget, and the place of a target that it meets."""
-        widget, ratio = self._canvas.widget, self._canvas.widget.devicePixelRatioF()
+        widget, ratio = self.canvas.widget, self.canvas.widget.devicePixelRatioF()
         return self._look(place.x() * ratio, (widget.height() - 1.0 - place.y()) * ratio)
 
     def _look(self, x: float, y: float) -> tuple[Floats, Floats, Floats | None]:
         """Return the ends of the line of sight through a point of the view, and the place of a target that it meets."""
-        renderer, ends = self._canvas.plotter.renderer, self._sight(x, y)
+        renderer, ends = self.canvas.plotter.renderer, self._sight(x, y)
         picker = pv._vtk.vtkCellPicker()
         picker.PickFromListOn()
-        picker.AddPickList(self._targets_actor)
+        picker.AddPickList(self.targets_actor)
         picker.SetTolerance(0.0)
-        met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
+        met = self.targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
         return ends[0], ends[1], np.array(picker.GetPickPosition()) if met else None
 
     def _sight(self, x: float, y: float) -> list[Floats]:
         """Return the ends of the line of sight through a point of the view."""
-        renderer, ends = self._canvas.plotter.renderer, []
+        renderer, ends = self.canvas.plotter.renderer, []
         for depth in (0.0, 1.0):
             renderer.SetDisplayPoint(x, y, depth)
             renderer.DisplayToWorld()
@@ -227,8 +224,8 @@ class SeabedView(QWidget):
 
     def frame(self, place: tuple[float, float, float], size: float) -> None:
         """Look at a place so that a body of some metres about it fills the view; the camera stays there."""
-        self._gliding.stop()
-        camera, self.follows, self._is_placed = self._canvas.plotter.camera, False, True
+        self.gliding.stop()
+        camera, self.follows, self._is_placed = self.canvas.plotter.camera, False, True
         away = np.array(camera.position) - np.array(camera.focal_point)
         away[2] = max(away[2], FRAMED[0] * float(np.hypot(away[0], away[1])))
         distance = FRAMED[1] * size / math.tan(math.radians(VIEW_ANGLE) / 2.0)
@@ -239,12 +236,12 @@ class SeabedView(QWidget):
 
     def picture(self) -> QImage:
         """Draw the view with three times as many pixels along each side."""
-        return image_of(self._canvas.plotter.screenshot(return_img=True, scale=3))
+        return image_of(self.canvas.plotter.screenshot(return_img=True, scale=3))
 
     def turn(self, across: float, up: float) -> None:
         """Turn the scene about the focus of the camera by degrees to the right and upwards, as a drag does."""
-        self._gliding.stop()
-        camera = self._canvas.plotter.camera
+        self.gliding.stop()
+        camera = self.canvas.plotter.camera
         x, y, z = away = np.array(camera.position) - np.array(camera.focal_point)
         bearing = math.atan2(y, x) - math.radians(across)
         slope = min(math.atan2(z, math.hypot(x, y)) - math.radians(up), STEEPEST)
@@ -256,8 +253,8 @@ class SeabedView(QWidget):
 
     def magnify(self, factor: float) -> None:
         """Move the camera closer to its focus by a factor, within the limits of the wheel."""
-        self._gliding.stop()
-        camera = self._canvas.plotter.camera
+        self.gliding.stop()
+        camera = self.canvas.plotter.camera
         focus = np.array(camera.focal_point)
         camera.position = tuple(focus + (np.array(camera.position) - focus) / factor)
         self._clip()
@@ -265,14 +262,14 @@ class SeabedView(QWidget):
 
     def zoom_about(self, place: tuple[float, float, float], factor: float) -> None:
         """Magnify the view about a place, which stays under the mouse; the camera stops before it."""
-        if self._pose is None:  # the camera has yet to be placed
+        if self.pose is None:  # the camera has yet to be placed
             return
-        self._gliding.stop()
-        camera = self._canvas.plotter.camera
+        self.gliding.stop()
+        camera = self.canvas.plotter.camera
         position, focus, fixed = (np.array(each) for each in (camera.position, camera.focal_point, place))
         to_focus, to_place = (float(np.linalg.norm(position - each)) for each in (focus, fixed))
-        closest = max(min(to_focus, to_place) / (NEAREST * self._reach), 1.0)
-        farthest = min(to_focus / (FARTHEST * self._reach), 1.0)
+        closest = max(min(to_focus, to_place) / (NEAREST * self.reach), 1.0)
+        farthest = min(to_focus / (FARTHEST * self.reach), 1.0)
         kept = 1.0 / min(max(factor, farthest), closest)
         camera.position, camera.focal_point = (tuple(fixed + kept * (each - fixed)) for each in (position, focus))
         self._clip()
@@ -281,45 +278,45 @@ class SeabedView(QWidget):
     def close_view(self) -> None:
         """Release the drawing resources."""
         self._due.stop()
-        self._gliding.stop()
-        self._canvas.close()
+        self.gliding.stop()
+        self.canvas.close()
 
     def _furnish(self) -> None:
-        plotter = self._canvas.plotter
+        plotter = self.canvas.plotter
         plotter.set_background(WATER[0], top=WATER[1])
         plotter.renderer.camera.is_set = True  # else PyVista draws the view when the camera is first asked for
         add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
-        self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(), lighting=False, **add)
-        self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(), lighting=False, **add)
+        self.bed_actor = plotter.add_mesh(self.bed, texture=_blank_texture(), lighting=False, **add)
+        self.thinned_actor = plotter.add_mesh(self.thinned_bed, texture=_blank_texture(), lighting=False, **add)
         shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
-        self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
+        self.targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
         cloud: dict[str, Any] = {"style": "points", "point_size": 3.0, "opacity": CLOUDED}
-        self._volumes_actor = plotter.add_mesh(pv.Sphere(), color="#eaf6ff", lighting=False, **cloud, **add)
-        self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ff8a1f", **shiny, **add)
+        self.volumes_actor = plotter.add_mesh(pv.Sphere(), color="#eaf6ff", lighting=False, **cloud, **add)
+        self.fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ff8a1f", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
         self._path_actor = plotter.add_mesh(
             self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
         )
-        self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
-        self._shadow_actor = plotter.add_mesh(self._fan.sheet, color=HIDDEN, opacity=0.3, lighting=False, **add)
+        self.sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
+        self.shadow_actor = plotter.add_mesh(self._fan.sheet, color=HIDDEN, opacity=0.3, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
         self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
-        self._sound = SoundActors(plotter)
-        self._swath = SwathGuides(plotter)
+        self.sound = SoundActors(plotter)
+        self.swath = SwathGuides(plotter)
         for actor in plotter.actors.values():
             actor.visibility = False
 
     def _follow(self, pose: Poses, heading: float, reach: float) -> None:
         """Move the camera with the fish, however the person turned it; reset it for another range."""
-        camera, place = self._canvas.plotter.camera, _place_of(pose)
+        camera, place = self.canvas.plotter.camera, _place_of(pose)
         # A fish that jumps would take the camera along, away from the place of the bed that it shows.
-        leapt = self._pose is not None and float(np.linalg.norm(place - _place_of(self._pose))) > reach
-        if self._pose is None or reach != self._reach or not self._is_placed or (leapt and self._subject is not None):
+        leapt = self.pose is not None and float(np.linalg.norm(place - _place_of(self.pose))) > reach
+        if self.pose is None or reach != self.reach or not self._is_placed or (leapt and self._subject is not None):
             shown = np.array([camera.position, camera.focal_point])
-            before = None if self._pose is None else shown - _place_of(self._pose)
+            before = None if self.pose is None else shown - _place_of(self.pose)
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
@@ -330,19 +327,19 @@ class SeabedView(QWidget):
             if self._subject is not None:  # from nearer, in the middle of the view
                 away, focus = CLOSE * away, np.array([*self._subject, 0.0])
             position = focus + away
-            self._reach, self._is_placed = reach, True
+            self.reach, self._is_placed = reach, True
             if self.eases and before is not None:
                 self._glide = time.perf_counter(), before, np.array([position, focus]) - place
-                self._gliding.start()
+                self.gliding.start()
                 position, focus = place + before
         elif not self.follows:
             position, focus = camera.position, camera.focal_point
         else:
-            turn, before = _about_z(heading - self._heading), _place_of(self._pose)
+            turn, before = _about_z(heading - self._heading), _place_of(self.pose)
             position = place + turn @ (np.array(camera.position) - before)
             focus = place + turn @ (np.array(camera.focal_point) - before)
         camera.position, camera.focal_point = tuple(position), tuple(focus)
-        self._pose, self._heading = pose, heading
+        self.pose, self._heading = pose, heading
         self._clip()
 
     def _step_camera(self) -> None:
@@ -350,36 +347,36 @@ class SeabedView(QWidget):
         begun, first, last = self._glide
         share = min((time.perf_counter() - begun) / EASE[0], 1.0)
         if share == 1.0 or self._held:
-            self._gliding.stop()
-        if self._held or self._pose is None:
+            self.gliding.stop()
+        if self._held or self.pose is None:
             return
-        camera = self._canvas.plotter.camera
-        ends = _place_of(self._pose) + first + share**2 * (3.0 - 2.0 * share) * (last - first)
+        camera = self.canvas.plotter.camera
+        ends = _place_of(self.pose) + first + share**2 * (3.0 - 2.0 * share) * (last - first)
         camera.position, camera.focal_point = map(tuple, ends)
         self._clip()
         self._later()
 
     def _clip(self) -> None:
         """Keep the camera above its focus and its distance within limits, and fit its clipping range to it."""
-        if self._pose is None:  # it has yet to be placed
+        if self.pose is None:  # it has yet to be placed
             return
-        camera = self._canvas.plotter.camera
+        camera = self.canvas.plotter.camera
         away = np.array(camera.position) - np.array(camera.focal_point)
         distance = float(np.linalg.norm(away))
-        kept = min(max(distance, NEAREST * self._reach), FARTHEST * self._reach)
+        kept = min(max(distance, NEAREST * self.reach), FARTHEST * self.reach)
         level = float(np.hypot(away[0], away[1]))
         if away[2] < LOWEST * level:  # it would see the bed from below
             away[2] = LOWEST * level
         if distance > 0.0 and (kept != distance or away[2] == LOWEST * level):
             away *= kept / np.linalg.norm(away)
             camera.position = tuple(np.array(camera.focal_point) + away)
-        camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
+        camera.clipping_range = (0.02 * kept, kept + 6.0 * self.reach)
         self._size_fish()
         self._show_guides()
 
     def _show_guides(self) -> None:
         """Show the scale at the focus, where north is, and the colours of depths."""
-        camera = self._canvas.plotter.camera
+        camera = self.canvas.plotter.camera
         x, y, z = np.array(camera.focal_point) - np.array(camera.position)
         high = 2.0 * math.sqrt(x**2 + y**2 + z**2) * math.tan(math.radians(VIEW_ANGLE) / 2.0)
         metres = high / max(self.height(), 1) * text_scale(self)  # of a pixel at the usual size of the text
@@ -387,18 +384,18 @@ class SeabedView(QWidget):
 
     def _size_fish(self) -> None:
         """Draw the fish as large on the screen at any distance."""
-        if self._pose is None:
+        if self.pose is None:
             return
-        distance = np.linalg.norm(np.array(self._canvas.plotter.camera.position) - _place_of(self._pose))
+        distance = np.linalg.norm(np.array(self.canvas.plotter.camera.position) - _place_of(self.pose))
         length = FISH * 2.0 * float(distance) * math.tan(math.radians(VIEW_ANGLE) / 2.0)
-        self._fish_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length)
-        self._cable_actor.user_matrix = pv_meshes.pose_matrix(self._pose, length, level=True)
+        self.fish_actor.user_matrix = pv_meshes.pose_matrix(self.pose, length)
+        self._cable_actor.user_matrix = pv_meshes.pose_matrix(self.pose, length, level=True)
 
     def _thin(self, held: bool) -> None:
         """Draw a bed of fewer nodes while the person holds the view, so that it turns smoothly."""
         self._held = held
-        self._bed_actor.visibility = self._bed_shown and not held
-        self._thinned_actor.visibility = self._bed_shown and held
+        self.bed_actor.visibility = self._bed_shown and not held
+        self.thinned_actor.visibility = self._bed_shown and held
 
     def _later(self) -> None:
         """Schedule a drawing, with a pause after the last one."""
@@ -418,8 +415,8 @@ class SeabedView(QWidget):
             update()
         self._due.stop()
         self._show_guides()
-        self._canvas.draw()
-        self.draw_time = max(self._canvas.draw_time(), 0.01)
+        self.canvas.draw()
+        self.draw_time = max(self.canvas.draw_time(), 0.01)
         self._drawn = time.perf_counter()
 
 

@@ -4,15 +4,14 @@ import math
 from typing import Any
 
 import numpy as np
-import pyvista
 from vtkmodules.vtkRenderingCore import vtkBillboardTextActor3D
 
 from insonify.arrays import Floats
 from insonify.kernels.common.types import Poses
+from insonify_viewer.seabed.lean_pyvista import pv
 from insonify_viewer.seabed.pv_meshes import LINE_POINTS, PATH, PATH_POINTS, ScanLine, polylines
 from insonify_viewer.widgets.theme import OVER_WATER
 
-pv: Any = pyvista  # untyped
 SWATH, LEVEL_BED = "#bfeaff", "#b59a6c"
 ASIDE = 0.12  # share of the slant range by which the number of the altitude stands beside its line
 LIFT = 0.008  # share of the slant range by which the swath lies above the bed beneath the fish

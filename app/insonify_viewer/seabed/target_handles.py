@@ -31,7 +31,7 @@ class TargetHandles:
         self._session, self._waterfall = session, waterfall
         self._seabed: SeabedController | None = None
         self._simulation: Simulation | None = None
-        self._handles: tuple[Handle, ...] = ()
+        self.all: tuple[Handle, ...] = ()
         self._held: Handle | None = None
         self._scene: Scene | None = None  # in which the drag began
         self._begun: Place | None = None  # place under the mouse then
@@ -71,7 +71,7 @@ class TargetHandles:
     def frame(self, target: int | None = None) -> None:
         """Frame a target, else the chosen one, in three dimensions, and bring it into the record."""
         target = self.chosen if target is None else target
-        place = next((each.place for each in self._handles if (each.target, each.action) == (target, "move")), None)
+        place = next((each.place for each in self.all if (each.target, each.action) == (target, "move")), None)
         if place is None or self._simulation is None or self._seabed is None or target is None:
             return
         body = self._simulation.scene.targets[target]
@@ -91,18 +91,18 @@ class TargetHandles:
         simulation = self._simulation
         if simulation is None:
             return
-        self._handles = handles_of(simulation, self.chosen)
-        marks = echo_marks(simulation, [handle.place for handle in self._handles])
+        self.all = handles_of(simulation, self.chosen)
+        marks = echo_marks(simulation, [handle.place for handle in self.all])
         self._waterfall.handles.show(
             [
                 (number, mark, handle.action, handle.target == self.chosen)
-                for number, (handle, mark) in enumerate(zip(self._handles, marks, strict=True))
+                for number, (handle, mark) in enumerate(zip(self.all, marks, strict=True))
                 if mark is not None
             ]
         )
         if self._seabed is not None:
             self._seabed.show_handles(
-                [(handle.place, handle.action, handle.target == self.chosen) for handle in self._handles]
+                [(handle.place, handle.action, handle.target == self.chosen) for handle in self.all]
             )
 
     def choose_at(self, mark: Mark) -> None:
@@ -118,8 +118,8 @@ class TargetHandles:
 
     def _take(self, number: int) -> None:
         """Begin a drag of a handle, unless it is one of a scene that has given way to another meanwhile."""
-        if number < len(self._handles) and self._is_current(self._handles[number]):
-            self._held, self._scene = self._handles[number], self._session.scene
+        if number < len(self.all) and self._is_current(self.all[number]):
+            self._held, self._scene = self.all[number], self._session.scene
             self._origin, self._begun = self._simulation, None
             self.chosen = self._held.target
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from insonify.display.display_options import DisplayOptions
+from insonify.explanation.words import name_part
 from insonify.scene import Scene
 from insonify.scene.edit import part_at
 from insonify_viewer.state.quantities import format_quantity
@@ -150,7 +151,7 @@ def _name_item(scene: Scene, steps: list[str], words: list[str]) -> list[str]:
     number, owner = int(steps[-1]) + 1, steps[-2]
     item = part_at(scene, ".".join(steps))
     if kind := getattr(item, "kind", ""):
-        return [f"{'material' if kind == 'uniform' else kind.replace('_', ' ')} {number}"]
+        return [f"material {number}" if kind == "uniform" else name_part(item, number - 1)]
     if owner.isdigit() or (owner in PLACES and not isinstance(item, tuple)):  # a place within a pair or a row
         place = PLACES.get(steps[-3] if owner.isdigit() else owner, ())
         return [*words, place[number - 1] if number <= len(place) else str(number)]

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from insonify.acoustics.water import absorption_coefficient, speed_at_sonar
+from insonify.explanation.words import name_part
 from insonify.files import bundled_sonars
 from insonify.scene import Scene, SceneError
 from insonify.scene.base import Declaration, kind_name, models_of
@@ -93,15 +94,16 @@ def _sections_of_items(scene: Scene, name: str, items: tuple[Any, ...]) -> tuple
     known = _KNOWN.get(name)
     before = known if known is not None and known.around == around else _KnownItems(around, (None,) * len(items), ())
     sections = tuple(
-        before.sections[k] if item == before.items[k] else _section_of_item(scene, f"{name}.{k}", item, k)
+        before.sections[k] if item == before.items[k] else _section_of_item(scene, name, item, k)
         for k, item in enumerate(items)
     )
     _KNOWN[name] = _KnownItems(around, items, sections)
     return sections
 
 
-def _section_of_item(scene: Scene, path: str, item: Any, index: int) -> FieldSection:
-    title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
+def _section_of_item(scene: Scene, items: str, item: Any, index: int) -> FieldSection:
+    path, title = f"{items}.{index}", name_part(item, index)
+    title = title[0].upper() + title[1:]
     rows = _named_in(scene, _inside(scene, item, path, 0))
     return FieldSection(path, title, rows, removable=True, locked=getattr(item, "locked", False))
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF, QResizeEvent
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 from shiboken6 import VoidPtr
 
@@ -39,55 +39,6 @@ class Painted(QWidget):
         """Paint with a painter of the widget."""
         with QPainter(self) as painter:
             self.paint(painter)
-
-
-class PaintedOnce(Painted):
-    """A widget that keeps its picture until its size, its theme or what it shows changes."""
-
-    def __init__(self, **properties: Any) -> None:
-        super().__init__(**properties)
-        self._picture: QPixmap | None = None
-
-    def paint_anew(self) -> None:
-        """Paint anew soon."""
-        self._picture = None
-        self.update()
-
-    def paint_picture(self, painter: QPainter) -> None:
-        """Paint the picture that is kept."""
-        raise NotImplementedError
-
-    def paint(self, painter: QPainter) -> None:
-        """Draw the picture, which is painted first if it is not there."""
-        if self._picture is None:
-            ratio = self.devicePixelRatioF()
-            self._picture = QPixmap(round(self.width() * ratio), round(self.height() * ratio))
-            self._picture.setDevicePixelRatio(ratio)
-            self._picture.fill(QColor(GROUND))
-            with QPainter(self._picture) as inner:
-                inner.setFont(self.font())
-                self.paint_picture(inner)
-        painter.drawPixmap(0, 0, self._picture)
-
-    @guard_override(None)
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the picture to the new size."""
-        self._picture = None
-        super().resizeEvent(event)
-
-    @guard_override(None)
-    def changeEvent(self, event: QEvent) -> None:
-        """Paint anew in another theme."""
-        if event.type() is QEvent.Type.PaletteChange:
-            self._picture = None
-        super().changeEvent(event)
-
-
-def rounded_pen(colour: QColor | str, width: float, alpha: int = 255) -> QPen:
-    """Pen with round ends, opaque or not."""
-    mixed = QColor(colour)
-    mixed.setAlpha(alpha)
-    return QPen(mixed, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap)
 
 
 def column_means(amplitude: Singles, width: int) -> Singles:

@@ -37,7 +37,7 @@ class Canvas(pg.PlotWidget):
     """A plot with axes that a subclass of `Plot` fills, in coordinates of its data."""
 
     def __init__(self, *, still: bool) -> None:
-        super().__init__(axisItems={side: Axis(side) for side in ("left", "bottom")}, enableMenu=False)
+        super().__init__(axisItems={side: Axis(side) for side in ("left", "bottom", "top")}, enableMenu=False)
         self._still = still
         self._taken: list[QRectF] = []  # by words, px
         for widget in (self, self.viewport()):
@@ -61,12 +61,13 @@ class Canvas(pg.PlotWidget):
         self._taken = []
         self.setBackground(QColor(GROUND))
         self.plotItem.vb.setBackgroundColor(QColor(ground))
-        for side, words in (("bottom", x), ("left", y)):
+        self.hideAxis("top")
+        for side, words in (("bottom", x), ("left", y), ("top", "")):
             axis = self.getAxis(side)
             axis.setPen(QColor(EDGE if not grid else QUIET))
             axis.setTextPen(QColor(QUIET))
             axis.setTickFont(self.font())
-            axis.setGrid(70 if grid else False)
+            axis.setGrid(70 if grid and side != "top" else False)
             size = self.font().pointSizeF()
             axis.setLabel(words, color=QUIET.name(), **{"font-size": f"{size:g}pt"})
             axis.showLabel(bool(words))
@@ -74,6 +75,12 @@ class Canvas(pg.PlotWidget):
     def number(self, side: str, ticks: Sequence[tuple[float, str]]) -> None:
         """Write texts at some places of an axis, in place of round numbers."""
         self.getAxis(side).setTicks([ticks])
+
+    def number_above(self, ticks: Sequence[tuple[float, str]], words: str) -> None:
+        """Show an upper axis with texts at some places, and name it."""
+        self.showAxis("top")
+        self.number("top", ticks)
+        self.getAxis("top").setLabel(words)
 
     def unit(self, side: str, unit: str) -> None:
         """Write a unit behind the numbers of an axis."""

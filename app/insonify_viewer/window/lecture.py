@@ -91,7 +91,7 @@ class Lecture(QObject):
 
     def show_presets(self, titles: Mapping[int, str]) -> None:
         """Offer presets in the strip, by key."""
-        while (item := self._presets.takeAt(0)) is not None:
+        while (item := self.presets.takeAt(0)) is not None:
             if (button := item.widget()) is not None:
                 button.deleteLater()
         columns = -(-len(titles) // 2) if len(titles) > IN_A_ROW else IN_A_ROW
@@ -99,7 +99,7 @@ class Lecture(QObject):
             button = _PresetButton(f"{key}  {one_line(title)}")
             button.clicked.connect(partial(self.preset_wanted.emit, key))
             button.addAction(make_action(button, "Rename…", "", do=partial(self._rename, key, title)))
-            self._presets.addWidget(button, k // columns, k % columns)
+            self.presets.addWidget(button, k // columns, k % columns)
 
     def _rename(self, key: int, title: str) -> None:
         name, given = QInputDialog.getText(self._window, f"Preset {key}", "Name", text=title)
@@ -132,7 +132,7 @@ class Lecture(QObject):
 
     def _lay_strip(self) -> None:
         inner, presets = make(QWidget, sizePolicy=QSizePolicy(GROWS, FITS)), QWidget()
-        self._presets = fill_grid(QGridLayout(presets), (), 1, margins=(8, 0, 8, 0))
+        self.presets = fill_grid(QGridLayout(presets), (), 1, margins=(8, 0, 8, 0))
         presets.setSizePolicy(QSizePolicy.Policy.Ignored, FITS)
         fill(QVBoxLayout(inner), self._controls, presets)
         self._strip.addWidget(inner)

@@ -79,27 +79,27 @@ class MainWindow(QMainWindow):
         self.trace = make_action(self, "Echo", tip, "E", self.waterfall.toggle_trace)
         self._placeholder = QLabel("loading the 3-D view …", alignment=Qt.AlignmentFlag.AlignCenter)
         self._placeholder.setMinimumSize(*SMALLEST_VIEW)  # else the record becomes narrower when the view is there
-        self._splitter = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
+        self.views = make_splitter(Qt.Orientation.Horizontal, self._placeholder, self.waterfall, sizes=VIEWS)
         self.record_a = RecordAView(native=native)
-        self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
-        self._room = PanelRoom(self, self._splitter)
-        self._docks = PanelDocks(self, self._room)
+        self.records = RecordsSideBySide(self.views, self.waterfall, self.record_a)
+        self._room = PanelRoom(self, self.views)
+        self.docks = PanelDocks(self, self._room)
         self.overlay = ComparisonOverlay(self.record_a, self.waterfall)
         self.comparison = ComparisonActions(self)
-        self.setCentralWidget(self._splitter)
+        self.setCentralWidget(self.views)
         self.may_close: Callable[[], bool] = lambda: True
         self._closed = self._asking = False
-        self._panels: dict[str, Panel] = {}
-        self._buttons: dict[str, QAction] = {}
+        self.panels: dict[str, Panel] = {}
+        self.buttons: dict[str, QAction] = {}
         self.settings = Settings()
         self.status = StatusLine()
         self.say, self.complain = self.status.say, self.status.complain
         self._add_tools(palettes)
         self.menus = Menus(self)
-        self.lecture = Lecture(self, self._docks, self._splitter)
+        self.lecture = Lecture(self, self.docks, self.views)
         self.lecture.begun.connect(self._enlarge_records)
         self.recent = RecentMenu(self, self.settings)
-        docks, views = self._docks.by_panel, (lambda: self.waterfall, lambda: self.seabed)
+        docks, views = self.docks.by_panel, (lambda: self.waterfall, lambda: self.seabed)
         steps = tour_steps(lambda: self.scenes, lambda: docks["parameters"], *views, self.menuBar)
         self.tour = Tour(self, steps)
         self._fill_menus()
@@ -112,8 +112,8 @@ class MainWindow(QMainWindow):
 
     def mount(self, panels: Sequence[Panel]) -> None:
         """Mount panels at their places, in this order."""
-        self._panels = {panel.name: panel for panel in panels}
-        self._docks.mount(panels)
+        self.panels = {panel.name: panel for panel in panels}
+        self.docks.mount(panels)
         for panel in panels:
             if panel.place is Place.STATUS:
                 self.statusBar().addPermanentWidget(panel.widget)
@@ -133,20 +133,20 @@ class MainWindow(QMainWindow):
 
     def open_panel(self, name: str) -> None:
         """Open a panel, or bring it to the front."""
-        panel = self._panels[name]
+        panel = self.panels[name]
         if panel.place is Place.WINDOW:
             self._open_window(panel)
             return
-        if name in self._buttons:
-            self._buttons[name].setChecked(True)
-        if name in self._docks.by_panel:
-            self._docks.bring_forward(name)
+        if name in self.buttons:
+            self.buttons[name].setChecked(True)
+        if name in self.docks.by_panel:
+            self.docks.bring_forward(name)
 
     def open_palette(self) -> CommandPalette:
         """Open the list of all commands, scenes, lessons and parameters."""
         entries = entries_of_menus(self.menus.all) + entries_of_scenes(self.scenes.wanted.emit)
         palette = CommandPalette(
-            self, [*entries, *(entry for panel in self._panels.values() for entry in panel.entries())]
+            self, [*entries, *(entry for panel in self.panels.values() for entry in panel.entries())]
         )
         palette.show()
         return palette
@@ -154,14 +154,14 @@ class MainWindow(QMainWindow):
     @property
     def seabed(self) -> QWidget | None:
         """The view of the seabed, or its placeholder until it is loaded."""
-        return self._splitter.widget(0)
+        return self.views.widget(0)
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
-        sizes = self._splitter.sizes()
+        sizes = self.views.sizes()
         view.setMinimumSize(*SMALLEST_VIEW)
-        self._splitter.replaceWidget(0, view)
-        self._splitter.setSizes(sizes)
+        self.views.replaceWidget(0, view)
+        self.views.setSizes(sizes)
         view.show()
         self._room.make()
         self._placeholder.deleteLater()
@@ -235,12 +235,12 @@ class MainWindow(QMainWindow):
             action.triggered.connect(lambda: self._open_window(panel))
         else:
             action.setCheckable(True)
-            action.toggled.connect(lambda shown: self._docks.show(panel, shown))
+            action.toggled.connect(lambda shown: self.docks.show(panel, shown))
         if panel.button.icon:
             set_icon(action, panel.button.icon)
             self._bar.insertAction(self._after_buttons, action)
             name_button(button_of(self._bar, action))
-        self._buttons[panel.name] = action
+        self.buttons[panel.name] = action
 
     def _open_window(self, panel: Panel) -> None:
         widget: QWidget = panel.widget

@@ -52,7 +52,7 @@ class Recovery:
         self._lock = _make_lock(str(self._stem.with_suffix(LOCK)))
         self._lock.tryLock(0)
         self._scene: Scene | None = None
-        self._contacts: tuple[Contact, ...] = ()
+        self.contacts: tuple[Contact, ...] = ()
 
     def keep(self, scene: Scene | None, contacts: tuple[Contact, ...]) -> None:
         """Write scene and contacts with unsaved changes; of what has none, None or an empty tuple, no file is left."""
@@ -63,13 +63,13 @@ class Recovery:
             else:
                 write_text(file, scene_to_toml(scene))
             self._scene = scene
-        if contacts is not self._contacts:
+        if contacts is not self.contacts:
             file = self._stem.with_suffix(GEOJSON)
             if contacts:
                 write_contacts(file, _bound(contacts))
             else:
                 file.unlink(missing_ok=True)
-            self._contacts = contacts
+            self.contacts = contacts
 
     def close(self) -> None:
         """Leave nothing behind: the window closes, after the question about unsaved changes."""
@@ -126,7 +126,7 @@ class CrashRecovery(QObject):
         self, window: MainWindow, session: Session, contacts: ContactList, opened: Callable[[Scene, str], None]
     ) -> None:
         super().__init__(window)
-        self._window, self._session, self._contacts, self._opened = window, session, contacts, opened
+        self._window, self._session, self.contacts, self._opened = window, session, contacts, opened
         self._recovery = Recovery()
         self._clock = QTimer(self)
         self._clock.timeout.connect(self._keep)
@@ -142,7 +142,7 @@ class CrashRecovery(QObject):
             if left.scene is not None:
                 self._opened(left.scene, "")
             if left.contacts:
-                self._contacts.open(left.contacts, "")
+                self.contacts.open(left.contacts, "")
             self._keep()  # before the other files go
         left.remove()
 
@@ -158,7 +158,7 @@ class CrashRecovery(QObject):
         return QMessageBox.question(self._window, title, literal(question)) == QMessageBox.StandardButton.Yes
 
     def _keep(self) -> None:
-        session, contacts = self._session, self._contacts
+        session, contacts = self._session, self.contacts
         try:
             self._recovery.keep(session.scene if session.unsaved else None, contacts.all if contacts.unsaved else ())
         except OSError as error:

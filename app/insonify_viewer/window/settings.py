@@ -29,10 +29,10 @@ class _Kept(Generic[Value]):
         self._name, self._read = name, read
 
     def __get__(self, settings: Settings, _: object) -> Value:
-        return self._read(settings._store.value(self._name))
+        return self._read(settings.store.value(self._name))
 
     def __set__(self, settings: Settings, value: Value) -> None:
-        settings._store.setValue(self._name, value.value if isinstance(value, Enum) else value)
+        settings.store.setValue(self._name, value.value if isinstance(value, Enum) else value)
 
 
 class Settings:
@@ -47,12 +47,12 @@ class Settings:
     presets = _Kept("presets", lambda kept: str(kept or ""))  # file of the presets that were opened or saved last
 
     def __init__(self) -> None:
-        self._store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
+        self.store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
 
     @property
     def display(self) -> dict[str, Any]:
         """Display options of the record that differ from the usual ones, of those that are `KEPT`."""
-        kept = self._store.value("display")
+        kept = self.store.value("display")
         texts = [kept] if isinstance(kept, str) else kept  # a list of one is read as its entry
         try:
             options = read_display(texts if isinstance(texts, list) else [])
@@ -64,20 +64,20 @@ class Settings:
         """Keep display options for the next start; a gain that is dragged writes no file."""
         kept = display_settings(DisplayOptions()._replace(**{name: getattr(look, name) for name in KEPT}))
         if read_display(kept) != self.display:
-            self._store.setValue("display", kept)
+            self.store.setValue("display", kept)
 
     @property
     def recent(self) -> list[str]:
         """Files that were opened last, the newest first."""
-        kept = self._store.value("recent")
+        kept = self.store.value("recent")
         files = [kept] if isinstance(kept, str) else kept  # a list of one is read as its entry
         return [file for file in files if isinstance(file, str) and file] if isinstance(files, list) else []
 
     def add_recent(self, file: str) -> None:
         """Put a file on top of the recent ones."""
         whole = str(Path(file).resolve())
-        self._store.setValue("recent", [whole, *(other for other in self.recent if other != whole)][:RECENT])
+        self.store.setValue("recent", [whole, *(other for other in self.recent if other != whole)][:RECENT])
 
     def forget_recent(self, file: str = "") -> None:
         """Take a file from the recent ones, or all of them."""
-        self._store.setValue("recent", [other for other in self.recent if file and other != file])
+        self.store.setValue("recent", [other for other in self.recent if file and other != file])

@@ -31,7 +31,7 @@ class Executor(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._lanes: dict[str, Lane] = {}
+        self.lanes: dict[str, Lane] = {}
         self._started: list[threading.Thread] = []
         self._faults: dict[str, FaultReport] = {}
         self._closing = False
@@ -40,9 +40,9 @@ class Executor(QObject):
     def submit(self, key: str, work: Work, receive: Receive) -> None:
         """Run work on the thread of a key and pass its result to the main thread, or None where it raises."""
         # What it raises is reported, a repeated exception once.
-        if key not in self._lanes:
-            self._lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
-        self._lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
+        if key not in self.lanes:
+            self.lanes[key], self._faults[key] = Lane(key, self.call_later), FaultReport()
+        self.lanes[key].put(key, lambda: _outcome(work), lambda outcome: self._take(key, receive, *outcome))
 
     def start(self, name: str, work: Work, *, done: Receive, failed: Callable[[Failure], None]) -> None:
         """Run work on a thread of its own, and pass its result or what went wrong to the main thread."""
@@ -68,7 +68,7 @@ class Executor(QObject):
     def close(self, patience: float | None = None) -> None:
         """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
         self._closing = True
-        for lane in self._lanes.values():
+        for lane in self.lanes.values():
             lane.close(patience)
         for thread in self._started:
             thread.join(patience)
@@ -116,7 +116,7 @@ class Lane:
         self._waiting: dict[object, _Waiting] = {}
         self.closing = False
         self.changed = threading.Condition()
-        self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
+        self.thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
 
     def put(self, key: object, work: Work, receive: Receive, *, rank: int = 1, patient: bool = False) -> None:
         """Run work next, before work of a higher rank; patient work waits for a moment without other work."""
@@ -127,8 +127,8 @@ class Lane:
                 waiting.due, waiting.latest = now + QUIET, before.latest if before else now + LONGEST
             self._waiting[key] = waiting
             self.changed.notify()
-            if not self._thread.is_alive() and not self.closing:
-                self._thread.start()
+            if not self.thread.is_alive() and not self.closing:
+                self.thread.start()
 
     def is_interrupted_by(self, key: object) -> bool:
         """Whether work of a key waits, or the thread is to end."""
@@ -139,8 +139,8 @@ class Lane:
         with self.changed:
             self.closing = True
             self.changed.notify()
-        if self._thread.is_alive():
-            self._thread.join(patience)
+        if self.thread.is_alive():
+            self.thread.join(patience)
 
     def _work(self) -> None:
         lower_priority()

@@ -220,17 +220,17 @@ class ThreadJob(BackgroundJob):
         self.value: Any = None
         self._do = work
         self._share: float | None = None  # reported and not passed on yet
-        self._thread = threading.Thread(target=self._work, name=f"insonify {title}", daemon=True)
+        self.thread = threading.Thread(target=self._work, name=f"insonify {title}", daemon=True)
 
     def start(self) -> None:
         """Start the thread, which works from its first moment on."""
         self.stage = self.stage._replace(doing=WORKING, total=WHOLE)
-        self._thread.start()
+        self.thread.start()
 
     def close(self, patience: float) -> None:
         """Stop at the next report of progress, and wait for the thread, at most for a time in seconds."""
         self.stop()
-        self._thread.join(patience)
+        self.thread.join(patience)
         if self.running:  # its end is not taken over any more
             self.state = State.STOPPED
 

@@ -48,6 +48,7 @@ class TracedPings:
     # (bins,) number of pings that the beam covers, over which the view still has to average.
     reach: Floats | None = None
     error: Singles | None = None  # (n,) estimated errors; None of interpolated and coarse pings
+    drawn: Any = None  # as `Simulator.draw` has made it of them beside the window
     example: bool = False  # whether they come with the package, shown until the first pings are traced
 
     @property

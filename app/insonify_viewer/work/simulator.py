@@ -49,12 +49,14 @@ class Simulator:
         self.executor = Executor()  # threads of what else works beside the window
         self._prepare = prepare or _prepare
         self._pack = pack or (None if prepare else _pack)
+        # Draws amplitudes, altitudes and reach of `TracedPings` for the window, on the thread that has traced them.
+        self.draw: Callable[[Singles, Floats, Floats | None], Any] = lambda *_: None
         self._activity = Waiting()
         self._compilation: Compilation | None = None
         self._watching = ExitStack()
         self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
-        self._lane = Lane("simulator", self.executor.call_later)
-        self._cost = 1e-4  # s, of a coarse ping
+        self.lane = Lane("simulator", self.executor.call_later)
+        self.cost = 1e-4  # s, of a coarse ping
         self._coarse = -1  # number of the last coarse answer that was sent to the main thread
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
         self._traced_as: Callable[[Simulation], Simulation] | None = None
@@ -70,7 +72,7 @@ class Simulator:
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
-        self._lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
+        self.lane.put("pings", lambda: self._serve(request), lambda _: None, rank=2)
 
     def show_first(self, scene: Scene, receive: Callable[[Any], None]) -> None:
         """Make pictures ready to be drawn; answer with the record that comes with the package if it is the scene's."""
@@ -97,11 +99,11 @@ class Simulator:
     def send(self, work: Work, receive: Receive) -> None:
         """Run work on the simulator's thread, before any request, and pass its result to the main thread."""
         # An exception is passed on as a `SceneError`.
-        self._lane.put(object(), lambda: result_of(work), receive, rank=0)
+        self.lane.put(object(), lambda: result_of(work), receive, rank=0)
 
     def send_patiently(self, key: str, work: Work, receive: Receive) -> None:
         """Run work like `send` once no request came for a moment; it replaces work of its key that still waits."""
-        self._lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
+        self.lane.put(key, lambda: result_of(work), receive, rank=3, patient=True)
 
     def trace_beside(self, scene: Scene, modelling: Modelling, pings: Integers) -> Singles:
         """Trace pings of another scene on the calling thread alone, beside the worker."""
@@ -123,17 +125,17 @@ class Simulator:
     def close(self, patience: float | None = None) -> None:
         """End all threads, and wait for each at most for a time in seconds: it may be compiling."""
         self._watching.close()
-        self._lane.close(patience)
+        self.lane.close(patience)
         self.executor.close(patience)
 
     def _serve(self, request: PingRequest) -> None:
         refuse = partial(self.refused.emit, request.number)
         try:
-            for answer in self._trace(request):
+            for answer in self.trace(request):
                 if not answer.fine:
                     self._coarse = answer.number
-                self.executor.call_later(self._deliver, answer)
-                if self._lane.is_interrupted_by("pings"):
+                self._send(answer)
+                if self.lane.is_interrupted_by("pings"):
                     return
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self.executor.call_later(refuse, describe_error(error, "the simulation of this scene"))
@@ -152,10 +154,11 @@ class Simulator:
         pings, level = np.arange(len(amplitude)), LevelBed(simulation)
         drawn, altitude = np.ones(len(pings), bool), find_altitude(simulation, pings)
         answer = TracedPings(0, False, pings, amplitude, level, simulation, 0.0, drawn, altitude, example=True)
-        self.executor.call_later(self._deliver, answer)
+        self._send(answer)
         level.normalise(amplitude[:1], pings[:1])  # compiles what the cursor needs, before all that tracing needs
 
-    def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
+    def trace(self, request: PingRequest) -> Iterator[TracedPings]:
+        """Trace the pings of a request, part by part; the first picture of a moving slider is refined."""
         modelling = request.modelling if request.fine else request.modelling.coarse
         known = self._last.get(True)
         scene = request.scene if request.fine else thin_new_ground(request.scene, known and known[0])
@@ -187,13 +190,13 @@ class Simulator:
         stride, begun = self._stride(len(pings), passed), time.perf_counter()
         traced = self._trace_coarsely(level, pings[::stride])
         seconds = time.perf_counter() - begun
-        self._cost = seconds / len(traced)
+        self.cost = seconds / len(traced)
         amplitude = np.repeat(traced, stride, axis=0)[: len(pings)]
         between = np.arange(len(amplitude)) % stride > 0
         while True:
             interpolate_pings(amplitude, between)
             yield amplitude.copy(), between.copy(), seconds
-            rest = np.flatnonzero(between)[: max(1, int(BLOCK_TIME / self._cost))]
+            rest = np.flatnonzero(between)[: max(1, int(BLOCK_TIME / self.cost))]
             if not rest.size:
                 return
             begun = time.perf_counter()
@@ -208,7 +211,7 @@ class Simulator:
             parts.append(level.amplitudes(pings[done : done + size]))
             done += len(parts[-1])
             passed = time.perf_counter() - begun
-            if passed > LONGEST and self._lane.is_interrupted_by("pings"):
+            if passed > LONGEST and self.lane.is_interrupted_by("pings"):
                 break
             # Of what takes little time there is one more part; one that takes long is looked after.
             size = max(1, int(LONGEST * done / passed))
@@ -218,7 +221,7 @@ class Simulator:
         """Stride over pings by which a coarse trace of them takes about `COARSE_TIME`, or half of what has passed."""
         # A picture for which ground was made comes late in any case, and hardly later with more of its pings.
         stride, allowed = 1, max(COARSE_TIME, 0.5 * passed)
-        while stride < MAX_STRIDE and pings * self._cost > allowed * stride:
+        while stride < MAX_STRIDE and pings * self.cost > allowed * stride:
             stride *= 2
         return stride
 
@@ -263,6 +266,11 @@ class Simulator:
             yield
         finally:
             self._activity = Waiting()
+
+    def _send(self, answer: TracedPings) -> None:
+        """Draw pings, and pass them to the main thread."""
+        drawn = self.draw(answer.amplitude, answer.altitude, answer.reach)
+        self.executor.call_later(self._deliver, replace(answer, drawn=drawn))
 
     def _deliver(self, answer: TracedPings) -> None:
         """Pass an answer on, unless it is a coarse picture and that of a later edit waits behind it."""

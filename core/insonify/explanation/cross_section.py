@@ -56,7 +56,7 @@ def _stretches(
     of_bed = parts.target < 0
     seen, targets = parts.state == VISIBLE, simulation.scene.targets
     named = tuple(
-        (name_part(targets, int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
+        (name_part(targets[k], int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
     )
     # Horizons go from crests to the ends of the bed that they hide.
     hidden = parts.take(parts.state == BEHIND_BED)

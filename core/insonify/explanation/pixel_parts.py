@@ -61,7 +61,7 @@ class PixelParts:
         """Name of a source: a target, the bed or the sea surface."""
         if path == SURFACE:
             return "sea surface"
-        return name_part(self.simulation.scene.targets, target) if target >= 0 else "bed"
+        return name_part(self.simulation.scene.targets[target], target) if target >= 0 else "bed"
 
     def material(self, row: int) -> str:
         """Name of a material by its row; empty where there is none."""

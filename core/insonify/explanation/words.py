@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,10 +19,10 @@ PATH_NAMES = {
 }
 
 
-def name_part(parts: tuple[object, ...], index: int) -> str:
-    """Name a target or a volume by its kind and its number from 1: ``pipe 1``."""
-    kind = str(getattr(parts[index], "kind", "target")).replace("_", " ")
-    return f"{kind} {index + 1}"
+def name_part(part: object, index: int) -> str:
+    """Name a target or a volume by its file or its kind, and its number from 1: ``wreck 1``, ``pipe 2``."""
+    kind = Path(getattr(part, "path", "")).stem or str(getattr(part, "kind", "target"))
+    return f"{kind.replace('_', ' ').replace('-', ' ')} {index + 1}"
 
 
 def name_materials(scene: Scene, ground: AnyGround) -> tuple[str, ...]:

@@ -83,7 +83,7 @@ def drag_handle(viewer: Viewer, random: Random) -> Steps:
     record, targets = viewer.window.waterfall, viewer.session.scene.targets
     viewer.targets.handles.choose(int(random.integers(len(targets))) if targets else None)
     yield 30.0
-    handle = pick(list(record.handles._shown), random)
+    handle = pick(list(record.handles.shown), random)
     if handle is None:
         return
     place = record.handles.place(handle[0]).toTuple()

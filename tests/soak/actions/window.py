@@ -37,7 +37,7 @@ give(
     [5.0, 100.0], most=7,
 )  # fmt: skip
 give(3.0, "pause_or_play", lambda window, _: window.pause.trigger(), [50.0, 2000.0])
-give(0.7, "open_rays", lambda window, _: window._buttons["water"].trigger(), [100.0, 2000.0])
+give(0.7, "open_rays", lambda window, _: window.buttons["water"].trigger(), [100.0, 2000.0])
 give(
     0.7, "save",
     lambda window, random: pick([window.save.scene, window.save.record, window.save.picture], random).trigger(),
@@ -93,7 +93,7 @@ def choose(viewer: Viewer, random: Random) -> Steps:
 
 @action(1.0)
 def fold(viewer: Viewer, random: Random) -> Steps:
-    box = pick(list(viewer.panels["parameters"].view._sections.values()), random)
+    box = pick(list(viewer.panels["parameters"].view.sections.values()), random)
     if box is not None:
         box.unfold(not box.unfolded)
         yield 30.0
@@ -102,7 +102,7 @@ def fold(viewer: Viewer, random: Random) -> Steps:
 @action(1.0)
 def remove_target(viewer: Viewer, random: Random) -> Steps:
     view = viewer.panels["parameters"].view
-    key = pick([key for key, box in view._sections.items() if box.removable], random)
+    key = pick([key for key, box in view.sections.items() if box.removable], random)
     if key is not None:
         view.removed.emit(key)
         yield 50.0
@@ -142,7 +142,7 @@ def hover(viewer: Viewer, random: Random) -> Steps:
 @action(2.0)
 def scrub(viewer: Viewer, random: Random) -> Steps:
     record = viewer.window.waterfall
-    x, y = record._handle.place_of(record.top).toTuple()
+    x, y = record.handle.place_of(record.top).toTuple()
     yield from drag(record, [(x, y), *((x, part * record.height()) for part in random.random(random.integers(2, 15)))])
 
 
@@ -170,7 +170,7 @@ def turn_view(viewer: Viewer, random: Random) -> Steps:
     view = viewer.seabed.view
     if view is None:
         return
-    canvas, middle = view._canvas.widget, np.array([view.width(), view.height()]) / 2.0
+    canvas, middle = view.canvas.widget, np.array([view.width(), view.height()]) / 2.0
     moves = random.normal(0.0, 12.0, (random.integers(2, 25), 2))
     yield from drag(canvas, [middle, *(middle + np.cumsum(moves, axis=0))])
     for _ in range(random.integers(0, 6)):

@@ -25,8 +25,8 @@ class BudgetPanel(Panel):
         self._open = False
         send = partial(workbench.simulator.executor.submit, "budget")
         self._question = NewestWins(lambda: self._wanted, send, _solved, self._take)
-        self._solved: SolvedBudget | None = None
-        self._range: float | None = None  # slant range under the cursor, m; None for half that of the record
+        self.solved: SolvedBudget | None = None
+        self.range: float | None = None  # slant range under the cursor, m; None for half that of the record
         self.view = BudgetView()
         self.view.targeted.connect(lambda _: self._question.ask())
         self.view.ranged.connect(self._move)
@@ -57,23 +57,23 @@ class BudgetPanel(Panel):
 
     def _move(self, slant_range: float) -> None:
         """Show the terms at a slant range."""
-        self._range = slant_range
+        self.range = slant_range
         self._show()
 
     def _take(self, found: SolvedBudget | SceneError | None) -> None:
         """Show a solution, or why there is none."""
-        self._solved = found if isinstance(found, SolvedBudget) else None
-        if self._solved is None:
+        self.solved = found if isinstance(found, SolvedBudget) else None
+        if self.solved is None:
             self.view.show_nothing(str(found or "the sonar equation of this scene cannot be solved"))
         else:
-            self.view.show_levels(self._solved)
+            self.view.show_levels(self.solved)
             self._show()
 
     def _show(self) -> None:
         """Show the terms of the solved scene at the present range."""
-        if self._solved is not None and self._open:
-            reach = self._solved.scene.sonar.range
-            self.view.show_range(min(0.5 * reach if self._range is None else self._range, reach))
+        if self.solved is not None and self._open:
+            reach = self.solved.scene.sonar.range
+            self.view.show_range(min(0.5 * reach if self.range is None else self.range, reach))
 
 
 def _solved(scene: Scene, target_strength: float) -> SolvedBudget | SceneError:

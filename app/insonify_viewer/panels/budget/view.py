@@ -36,9 +36,9 @@ class BudgetView(QWidget):
         self.setObjectName("panel")
         self.sentence, self.model = make_label("choice", HINT), make_label("name")
         decibels = {"minimum": -STRONGEST, "maximum": STRONGEST, "decimals": 1, "value": -20.0, "suffix": " dB"}
-        self._target = make(QDoubleSpinBox, **decibels, keyboardTracking=False, accessibleName="Target strength")
-        self._target.setToolTip("Target strength of the target, re 1 m² (dB; −60 to 60 dB)")
-        self._target.valueChanged.connect(self.targeted)
+        self.target = make(QDoubleSpinBox, **decibels, keyboardTracking=False, accessibleName="Target strength")
+        self.target.setToolTip("Target strength of the target, re 1 m² (dB; −60 to 60 dB)")
+        self.target.valueChanged.connect(self.targeted)
         self.terms, self.curves = TermList(), LevelCurves()
         self.curves.ranged.connect(self.ranged)
         self._solved: SolvedBudget | None = None
@@ -47,7 +47,7 @@ class BudgetView(QWidget):
     @property
     def target_strength(self) -> float:
         """Target strength in dB re 1 m²."""
-        return self._target.value()
+        return self.target.value()
 
     def show_nothing(self, reason: str) -> None:
         """Show why there are no levels."""
@@ -76,7 +76,7 @@ class BudgetView(QWidget):
     def _lay_out(self) -> None:
         label = make_label("name", "target")
         label.setWordWrap(False)
-        top = fill(QHBoxLayout(), self.sentence, label, self._target, growing=self.sentence)
+        top = fill(QHBoxLayout(), self.sentence, label, self.target, growing=self.sentence)
         splitter = make_splitter(Qt.Orientation.Horizontal, self.terms, self.curves, sizes=(500, 500))
         fill(QVBoxLayout(self), top, self.model, splitter, growing=splitter, margins=(6, 4, 6, 4), spacing=3)
 

@@ -54,10 +54,10 @@ class ChartWindow(QWidget):
         self.stop = push_button("Stop", "Stop the measurement")
         self.save = push_button("Save…", "Save the chart as a picture or a table: .png, .svg, .csv or .json")
         self._progress = QProgressBar(maximum=1000, textVisible=False)
-        self._sentence, self._numbers = make_label("name", INVITATION), make_label("numbers")
+        self.sentence, self.numbers = make_label("name", INVITATION), make_label("numbers")
         self._summary = make_label("name")
         self._summary.hide()
-        self.picture, self._strips = ChartPlots(), StripsView()
+        self.picture, self.strips = ChartPlots(), StripsView()
         self._lay_out()
         self.picture.picked.connect(self.picked)
         self.save.setEnabled(False)
@@ -94,13 +94,13 @@ class ChartWindow(QWidget):
             height = self._splitter.height()
             strips = min(STRIPS, round(MOST * height))
             self._splitter.setSizes([height - strips, strips])
-        self._strips.show_details(details)
-        self._numbers.setText(details_in_words(details))
+        self.strips.show_details(details)
+        self.numbers.setText(details_in_words(details))
         self.picture.show_chosen(details.row)
 
     def say(self, sentence: str) -> None:
         """Show a sentence until the next one."""
-        self._sentence.setText(sentence)
+        self.sentence.setText(sentence)
 
     def ask_where_to_save(self) -> str:
         """Let the person name a file; return its path, empty if none was named."""
@@ -108,10 +108,10 @@ class ChartWindow(QWidget):
 
     def _lay_out(self) -> None:
         tools = self.measure, self.stop, self.save, self._progress
-        top = fill(QHBoxLayout(), *tools, self._sentence, growing=self._sentence)
+        top = fill(QHBoxLayout(), *tools, self.sentence, growing=self.sentence)
         self._bottom = QWidget()
         below = QVBoxLayout(self._bottom)
-        fill(below, self._strips, self._numbers, growing=self._strips, margins=(0, 4, 0, 0))
+        fill(below, self.strips, self.numbers, growing=self.strips, margins=(0, 4, 0, 0))
         self._bottom.hide()
         self._splitter = make_splitter(Qt.Orientation.Vertical, self.picture, self._bottom)
         self._splitter.setStretchFactor(0, 1)
@@ -174,6 +174,9 @@ class ScenePlot(Plot):
 
     def draw(self, canvas: Canvas) -> None:
         """Draw lines through the settings of each method, the best for their time, and what is not resolved."""
+        # lazy: loads Matplotlib; by now the chart has loaded it
+        from insonify.accuracy.charts.kinds.accuracy import RECORD, TOLERANCE
+
         chart = self._chart.chart
         if chart is None:
             self.say((OVER_WATER, "nothing measured yet"))
@@ -183,11 +186,15 @@ class ScenePlot(Plot):
         self.words = f"time per ping{'' if one else ' ' + WITH[self.targets]}", self.words[1]
         canvas.number("bottom", [(k, format_duration(10.0 ** (k - 6))) for k in range(-1, 9)])
         canvas.number("left", [(k, f"{10.0 ** (k + 2):g} %") for k in range(-5, 2)])
+        whole = math.log10(RECORD)
+        canvas.number_above([(k - whole, format_duration(10.0 ** (k - 6))) for k in range(2, 12)], f"{RECORD} pings")
         times, errors = np.array([place_of_row(row) for row in chart.rows]).T
         low, high = (errors.min() - 0.5, errors.max() + 0.6)
         ends = float(times.min() - 0.3), float(times.max() + 0.3)
         floor = math.log10(max(reference.floor, FLOOR))
         canvas.area(np.array(ends), np.full(2, floor), low, EDGE)
+        canvas.rule(math.log10(TOLERANCE), QUIET, upright=False)
+        canvas.words(f"tolerance {100.0 * TOLERANCE:g} %", ends[0], math.log10(TOLERANCE), QUIET, (-0.1, 1.0))
         front = np.array([place_of_row(row) for row in chart.find_front(self.targets)]).reshape(-1, 2).T
         canvas.line(front[0], front[1], EDGE, 7.0)
         canvas.name_lines((6.0, -4.0))
@@ -213,10 +220,10 @@ class StripsView(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setMinimumHeight(150)
-        self._strips = [StripPlot(last=number == 2) for number in range(3)]
-        self._titles = [make_label("figure", form=Qt.TextFormat.RichText) for _ in self._strips]
+        self.strips = [StripPlot(last=number == 2) for number in range(3)]
+        self._titles = [make_label("figure", form=Qt.TextFormat.RichText) for _ in self.strips]
         column = fill(QVBoxLayout(self), margins=(0, 0, 0, 0), spacing=0)
-        for title, strip in zip(self._titles, self._strips):
+        for title, strip in zip(self._titles, self.strips):
             column.addWidget(title)
             column.addWidget(strip, 1)
 
@@ -234,7 +241,7 @@ class StripsView(QWidget):
                 *(moved, (-largest, largest), two_sided_palette()),
             ),
         )
-        for title, strip, (words, pixels, levels, palette) in zip(self._titles, self._strips, rows):
+        for title, strip, (words, pixels, levels, palette) in zip(self._titles, self.strips, rows):
             title.setText(words)
             strip.show_picture(pixels, levels, palette, details.reach)
 

@@ -43,10 +43,10 @@ class ComparisonView(SidePanel):
         self.leave = push_button("Close A", "End the comparison")
         self.partner = push_button("Partner as A", "Simulate the other scene of the pair as A (P)")
         self.pairs = push_button("Pairs", "Scenes that are made to be compared in pairs")
-        self._pairs_menu = QMenu(self.pairs)
-        self._pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
-        self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
-        self.pairs.setMenu(self._pairs_menu)
+        self.pairs_menu = QMenu(self.pairs)
+        self.pairs_menu.aboutToShow.connect(lambda: self.show_pairs(find_pairs()))
+        self.pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
+        self.pairs.setMenu(self.pairs_menu)
         tip = "Fit a scene whose record resembles this recording, and open it"
         self.learn = push_button("Make a scene like this…", tip, self._ask_for_scene)
         self.arrangement, self.frequency = Combo("Arrangement of the two records"), Combo("Frequency of the sonar")
@@ -108,12 +108,12 @@ class ComparisonView(SidePanel):
 
     def show_pairs(self, pairs: Mapping[str, Scene] | None) -> None:
         """List the bundled pairs in their menu, once."""
-        if self._pairs_menu.actions():
+        if self.pairs_menu.actions():
             return
         for name, scene in (pairs or {}).items():
-            action = QAction(f"{name}\t{scene.title}", self._pairs_menu)
+            action = QAction(f"{name}\t{scene.title}", self.pairs_menu)
             action.setData(name)
-            self._pairs_menu.addAction(action)
+            self.pairs_menu.addAction(action)
 
     def _ask_for_scene(self) -> None:
         """Let the person name the file of the scene to be learned."""

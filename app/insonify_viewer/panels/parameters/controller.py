@@ -124,7 +124,11 @@ class ParametersPanel(Panel):
         self.view.show_sections(sections)
         words = self.view.search.text().strip()
         self.view.show_found(found_section(scene, sections_of(scene), words) if words else None)
-        self._show_rest()
+        self._show_strip()
+        self.view.show_pictures(scene)
+        rows = (row for section in sections for row in section.parameters)
+        self.view.show_changed(self._resets.changed(scene, rows))
+        self._show_effects()
 
     def _show_moving(self) -> None:
         """Show the numbers of a scene whose slider is held; the rest follows once it is let go."""
@@ -134,16 +138,8 @@ class ParametersPanel(Panel):
         else:
             self._shown = sections
             self.view.show_values(sections)
-            self._show_rest()
-
-    def _show_rest(self) -> None:
-        """Show what depends on the values: strip, marks of changed fields, curves, effects."""
-        self._show_strip()
-        scene = self._session.scene
-        rows = (row for section in self._shown for row in section.parameters)
-        self.view.show_changed(self._resets.changed(scene, rows))
-        self.view.show_pictures(scene)
-        self._show_effects()
+            self._show_strip()
+            self.view.show_pictures(self._session.scene)
 
     def _show_strip(self) -> None:
         """Show in the strip the fields that are lit, else those that the scene is about, else the first."""
@@ -241,8 +237,8 @@ class ParametersPanel(Panel):
         """Remove the target or volume at a dotted path from the scene."""
         name, _, index = path.rpartition(".")
         parts = plain(self._session.scene)[name]
-        removed = f"{parts[int(index)]['kind'].replace('_', ' ')} {int(index) + 1} removed"
-        self._session.settle({name: parts[: int(index)] + parts[int(index) + 1 :]}, removed)
+        del parts[int(index)]
+        self._session.settle({name: parts}, f"{name_field(self._session.scene, path)} removed")
 
 
 def _whole(number: NumberField, value: float) -> float | int:

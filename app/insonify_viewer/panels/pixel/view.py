@@ -93,19 +93,19 @@ class SectionView(Plot):
     def __init__(self) -> None:
         name, size = "Cross-section of the beam", QSize(100, 110)
         super().__init__(name, x="ground range (m)", grid=False, minimumSize=size)
-        self._shown: tuple[PixelExplanation, CrossSection] | None = None
+        self.shown: tuple[PixelExplanation, CrossSection] | None = None
 
     def show_section(self, explanation: PixelExplanation | None, section: CrossSection | None) -> None:
         """Show a pixel in its cross-section; None clears it."""
-        self._shown = None if explanation is None or section is None else (explanation, section)
+        self.shown = None if explanation is None or section is None else (explanation, section)
         self.redraw()
 
     def draw(self, canvas: Canvas) -> None:
         """Draw water, bed, targets and rays over ground range, which grows to the left on the port side."""
-        canvas.setVisible(self._shown is not None)
-        if self._shown is None:
+        canvas.setVisible(self.shown is not None)
+        if self.shown is None:
             return
-        explanation, section = self._shown
+        explanation, section = self.shown
         canvas.unit("left", "m")
         low, high = heights_shown(section, surfaced=any(each.path != "direct" for each in explanation.contributions))
         _draw_bed(canvas, section, low)

@@ -34,8 +34,8 @@ class PlanView(SidePanel):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._percent = 3.0  # the tolerance that is shown
-        self._tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
-        self.column.addLayout(fill_grid(QGridLayout(), [self._tolerance.parts], 3, margins=(6, 0, 2, 0)))
+        self.tolerance = NumberRow(_number(self._percent), self._drag_tolerance, self._settle_tolerance)
+        self.column.addLayout(fill_grid(QGridLayout(), [self.tolerance.parts], 3, margins=(6, 0, 2, 0)))
         self._totals, self._change = make_label("about"), make_label("change")
         tip = "Let the program choose everything again"
         self.automatic = push_button("Back to automatic", tip, style="file", wide=True)
@@ -71,7 +71,7 @@ class PlanView(SidePanel):
         self._light_lines()
 
     def _light_lines(self) -> None:
-        light(self._tolerance.label, "tolerance" in self._lit)
+        light(self.tolerance.label, "tolerance" in self._lit)
         for group in self.groups.values():
             for name, line in group.lines.items():
                 line.light(name in self._lit)
@@ -79,7 +79,7 @@ class PlanView(SidePanel):
     def _drag_tolerance(self, _: str, percent: float) -> None:
         """Show a tolerance in percent; it is final when the slider is released."""
         self._percent = percent
-        self._tolerance.show_value(_number(percent))
+        self.tolerance.show_value(_number(percent))
 
     def _settle_tolerance(self, path: str, percent: object) -> None:
         """Signal a final tolerance: the number that is given, or the one to which the slider was dragged."""

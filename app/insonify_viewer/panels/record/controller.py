@@ -1,11 +1,12 @@
 """Shows records by the display options, measures on them, and keeps contacts."""
 
 import time
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from insonify.arrays import Floats
+from insonify.arrays import Floats, Singles
 from insonify.io.contacts import Contact
 from insonify.io.georeference import Georeference, find_georeference
 from insonify.scene import Scene
@@ -27,9 +28,11 @@ from insonify_viewer.record.record import RecordGrowth
 from insonify_viewer.record.record_overlays import BinErrors
 from insonify_viewer.record.waterfall_view import WaterfallView
 from insonify_viewer.state.inspection import Mark, mark_of
+from insonify_viewer.work.newest_wins import NewestWins
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
-ERRORS_OF, FULL = 64, 3.0  # number of pings with errors drawn bin by bin; error, in tolerances, drawn in full colour
+ERRORS_AT_ONCE = 64  # pings whose errors are estimated bin by bin before they are shown
+FULL = 3.0  # error, in tolerances, drawn in full colour
 OFTEN = 0.25  # s between two histograms of a record that grows
 ABOVE = 4  # a contact is shown this part of the screen below its edge
 
@@ -46,10 +49,16 @@ class RecordPanel(Panel):
         self._workbench, self._session = workbench, workbench.session
         self._simulated, self._recorded = workbench.record_views
         self._simulation: Simulation | None = None
-        self._hovered: tuple[WaterfallView, Mark] | None = None
+        self.hovered: tuple[WaterfallView, Mark] | None = None
         self._followed = 0.0  # when histogram and drape last followed the record
         self._draped = False
-        self._measured: Measurement | None = None  # the last line
+        self._errors: dict[int, Singles] = {}  # of the bins of pings of a simulation, from far port to far starboard
+        self._errors_of: Simulation | None = None
+        send = partial(workbench.simulator.executor.submit, "errors of the record")
+        self._error_question = NewestWins(
+            lambda: self._errors_wanted, send, _bin_errors, self._take_errors, in_turn=True
+        )
+        self._measured: tuple[WaterfallView, Measurement] | None = None  # the last line, and where
         self.contacts = workbench.contacts
         self.view = RecordView()
         self._connect()
@@ -58,7 +67,7 @@ class RecordPanel(Panel):
         """Follow the simulation, and count the levels anew now and then."""
         if growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
-            self._simulated.show_marks(line=None)
+            self._forget_line(self._simulated)
         now = time.perf_counter()
         if growth.complete or now - self._followed > OFTEN:
             self._followed = now
@@ -85,11 +94,12 @@ class RecordPanel(Panel):
         view.errors.toggled.connect(lambda _: self._show_errors())
         view.measuring.connect(self._measure)
         view.zoomed.connect(self._zoom)
-        view.contact_wanted.connect(lambda: self._mark_contact(self._hovered))
+        view.contact_wanted.connect(lambda: self._mark_contact(self.hovered))
         for each in (self._simulated, self._recorded):
             each.measured.connect(lambda first, last, each=each: self._show_measured(each, first, last))
             each.hovered.connect(lambda mark, each=each: self._hover(each, mark))
             each.recoloured.connect(self._show_colours)
+        self._workbench.recordings.opened.connect(lambda _: self._forget_line(self._recorded))
         self._workbench.recordings.opened.connect(lambda _: self._show_contacts())
         self._workbench.comparison.changed.connect(self._show_marks)
         self.contacts.changed.connect(self._show_contacts)
@@ -134,30 +144,39 @@ class RecordPanel(Panel):
         self._draped = wanted
 
     def _show_errors(self) -> None:
-        """Lay the errors of the bins of every few pings over the simulated record, or take them off."""
-        simulation, record = self._simulation, self._simulated.record
-        shown = record.shown(self._simulated.top)
-        pings = shown[record.ping[record.rows(shown)] == shown][:: len(shown) // ERRORS_OF + 1]
+        """Lay the errors of bins over the simulated record, or take them off; some pings more are asked for."""
+        record, simulation = self._simulated.record, self._simulation
         if not self.view.errors.isChecked() or simulation is None:
             self._simulated.show_errors(None)
             return
+        if self._errors_of is not simulation:
+            self._errors, self._errors_of = {}, simulation
+        pings = record.shown(self._simulated.top)
+        blank = np.zeros(2 * record.bins, np.float32)
+        self._errors = {ping: self._errors[ping] for ping in pings.tolist() if ping in self._errors}
+        shares = np.stack([self._errors.get(ping, blank) for ping in pings.tolist()])
+        full = FULL * self._session.modelling.tolerance
+        self._simulated.show_errors(BinErrors(pings, shares, record.altitude_of(pings), full))
+        self._error_question.ask()
 
-        def work() -> BinErrors:
-            # lazy: loads Numba on the thread; the window opens before
-            from insonify.explanation.pixel import find_bin_errors
+    @property
+    def _errors_wanted(self) -> tuple[Simulation, tuple[int, ...]] | None:
+        """The next pings on screen whose errors are not known."""
+        record, simulation = self._simulated.record, self._simulation
+        if not self.view.errors.isChecked() or simulation is None:
+            return None
+        shown = record.shown(self._simulated.top)
+        traced = shown[record.ping[record.rows(shown)] == shown].tolist()
+        lacking = tuple(ping for ping in traced if ping not in self._errors)[:ERRORS_AT_ONCE]
+        return (simulation, lacking) if lacking else None
 
-            found = find_bin_errors(simulation, pings)
-            shares = np.nan_to_num(np.concatenate([found[:, 0, ::-1], found[:, 1]], axis=1))
-            full = FULL * self._session.modelling.tolerance
-            return BinErrors(pings, shares, np.nan_to_num(simulation.altitude(pings)), full)
-
-        self._workbench.simulator.executor.submit("errors of the record", work, self._take_errors)
-
-    def _take_errors(self, errors: BinErrors | None) -> None:
-        if self.view.errors.isChecked() and errors is not None:
-            self._simulated.show_errors(errors)
-            if not errors.shares.any():
-                self._workbench.say("the method of this record gives no estimate of the error of its bins")
+    def _take_errors(self, found: tuple[Simulation, dict[int, Singles]] | None) -> None:
+        if found is None or found[0] is not self._simulation:
+            return
+        self._errors |= found[1]
+        if not any(shares.any() for shares in found[1].values()):
+            self._workbench.say("the method of this record gives no estimate of the error of its bins")
+        self._show_errors()
 
     def _show_colours(self) -> None:
         """Show the colours of levels, unless the panel is hidden, as before the window shows."""
@@ -196,14 +215,20 @@ class RecordPanel(Panel):
     def _show_measured(self, view: WaterfallView, first: Mark, last: Mark) -> None:
         ends = self._locate(view, first), self._locate(view, last)
         if ends[0] is not None and ends[1] is not None:
-            self._measured = measure(ends[0], ends[1])
-            words = self._measured.words
+            self._measured = view, measure(ends[0], ends[1])
+            words = self._measured[1].words
             view.show_marks(line=(first, last, words))
             self.view.show_measured(words)
 
+    def _forget_line(self, view: WaterfallView) -> None:
+        """Forget a line on a record that is replaced."""
+        view.show_marks(line=None)
+        if self._measured is not None and self._measured[0] is view:
+            self._measured = None
+
     def _attach_size(self, row: int, field: str) -> None:
         """Give a contact a size by the line that was measured last: its length, or the height from a shadow."""
-        line = self._measured
+        line = None if self._measured is None else self._measured[1]
         size = None if line is None else line.height if field == "height" else line.straight or line.slant
         if size is None:
             over = "the shadow of the contact, across the track," if field == "height" else "the contact"
@@ -234,7 +259,7 @@ class RecordPanel(Panel):
             view.show_zoom(Zoom())
 
     def _hover(self, view: WaterfallView, mark: Mark | None) -> None:
-        self._hovered = None if mark is None else (view, mark)
+        self.hovered = None if mark is None else (view, mark)
 
     def _mark_pinned(self) -> None:
         mark = self._workbench.inspection.mark
@@ -316,3 +341,12 @@ class RecordPanel(Panel):
             self._workbench.go_to(ahead)
         view.show_zoom(Zoom())
         self.view.contacts.choose(row)
+
+
+def _bin_errors(simulation: Simulation, pings: tuple[int, ...]) -> tuple[Simulation, dict[int, Singles]]:
+    """Errors of the bins of pings as shares of their mean echoes, from far port to far starboard; 0 if not known."""
+    # lazy: loads Numba on the thread; the window opens before
+    from insonify.explanation.pixel import find_bin_errors
+
+    found = np.nan_to_num(find_bin_errors(simulation, np.array(pings)))
+    return simulation, dict(zip(pings, np.concatenate([found[:, 0, ::-1], found[:, 1]], axis=1)))

@@ -381,7 +381,7 @@ class HistogramView(Plot):
         )
         name, focus = "Contrast: levels of the record over the colour bar", Qt.FocusPolicy.TabFocus
         super().__init__(name, tip, still=True, grid=False, minimumHeight=104, focusPolicy=focus)
-        self._counts: Floats = np.zeros(BINS)
+        self.counts: Floats = np.zeros(BINS)
         self._find: Callable[[], Reals] | None = None  # gives the levels to count
         self._colours = np.zeros((1, COLOURS, 3), np.uint8)
         self.ends = (LOWEST, HIGHEST)
@@ -408,10 +408,10 @@ class HistogramView(Plot):
         find, self._find = self._find, None
         if find is not None:
             counts, _ = np.histogram(find(), bins=BINS, range=(LOWEST, HIGHEST))
-            self._counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
+            self.counts = np.sqrt(counts / max(int(counts.max()), 1))  # so that rare levels are seen
         canvas.hideAxis("left")
         canvas.number("bottom", SCALE)
-        canvas.area(np.linspace(LOWEST, HIGHEST, BINS), self._counts, 0.0, QUIET)
+        canvas.area(np.linspace(LOWEST, HIGHEST, BINS), self.counts, 0.0, QUIET)
         canvas.picture(self._colours, (LOWEST, HIGHEST), (BAR, 0.0))
         for end, _ in self.marks:
             canvas.rule(end, TEXT, style=Qt.PenStyle.SolidLine)

@@ -25,7 +25,7 @@ class WaterPanel(Panel):
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench
-        self._target: Target = None
+        self.target: Target = None
         self._open = self._settled = False
         self._bent = self._ready = False
         send = workbench.simulator.send
@@ -42,7 +42,7 @@ class WaterPanel(Panel):
 
     @property
     def _wanted(self) -> tuple[Scene, Target, bool] | None:
-        wanted = self._workbench.session.scene, self._target, self._settled
+        wanted = self._workbench.session.scene, self.target, self._settled
         return wanted if self._open and self._ready else None
 
     def opened(self, shown: bool) -> None:
@@ -66,7 +66,7 @@ class WaterPanel(Panel):
         self._question.ask()
 
     def _aim(self, distance: float, depth: float) -> None:
-        self._target = (distance, depth)
+        self.target = (distance, depth)
         self._question.ask()
 
     def _drag(self, number: int, depth: float, speed: float) -> None:

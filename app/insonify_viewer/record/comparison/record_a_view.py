@@ -60,7 +60,7 @@ class RecordAView(WaterfallView):
             return
         self._laid, self.plot_area = self._place(self._live), QRect(self._live.plot_area)
         zoom = self._zoom_over(self._live)
-        self.projection = project_record(self._look, self.record, self.projection.axis, zoom, self.top)
+        self.projection = project_record(self.look, self.record, self.projection.axis, zoom, self.top)
 
     def _place(self, live: WaterfallView) -> tuple[object, ...]:
         projection = live.projection
@@ -71,7 +71,7 @@ class RecordAView(WaterfallView):
         first, last = self.projection.extent
         left, right = ((metres - first) / (last - first) for metres in live.projection.shown)
         upper, lower = (age * self.rows_a_ping / self.record.pings for age in live.projection.ages)
-        return Zoom(left, right, upper, lower) if self._look.newest_on_top else Zoom(left, right, 1 - upper, 1 - lower)
+        return Zoom(left, right, upper, lower) if self.look.newest_on_top else Zoom(left, right, 1 - upper, 1 - lower)
 
 
 class RecordsSideBySide(QObject):

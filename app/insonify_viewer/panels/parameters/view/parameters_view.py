@@ -47,7 +47,7 @@ class ParametersView(SidePanel):
         self.search = _search_line(self)
         self.search.textChanged.connect(self.searched)
         self.column.addWidget(self.search)
-        self._found: SectionBox | None = None
+        self.found: SectionBox | None = None
         self.about = AboutBox()
         self.about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
         self.column.addWidget(self.about)
@@ -56,7 +56,7 @@ class ParametersView(SidePanel):
         self._glide: QVariantAnimation | None = None
         self.soon, self.still = Later(self, DELAY, anew=False), Later(self, STILL)
         self.column.addStretch(1)
-        self._sections: dict[str, SectionBox] = {}
+        self.sections: dict[str, SectionBox] = {}
         self._lit: tuple[str, ...] = ()
         self._building = QTimer(self)
         self._building.timeout.connect(self._build)
@@ -95,10 +95,10 @@ class ParametersView(SidePanel):
     def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
         """Show these fields; only sections whose rows change are rebuilt, at most one of them at once."""
         keys = {section.key for section in sections}
-        for key in [key for key in self._sections if key not in keys]:
+        for key in [key for key in self.sections if key not in keys]:
             self._drop(key)
         for place, section in enumerate(sections):
-            box = self._sections.get(section.key)
+            box = self.sections.get(section.key)
             if box is not None and box.structure == section.structure:
                 box.show_values(section)
                 continue
@@ -107,10 +107,10 @@ class ParametersView(SidePanel):
             if box is not None:
                 self._drop(section.key)
             box = SectionBox(section, self, unfolded=unfolded, more=more, tools=self._tools(section))
-            self._sections[section.key] = box
+            self.sections[section.key] = box
             # Search and description stand first, and the effects between what is pinned and the rest.
             self.column.insertWidget(place + 2 if section.key == PINNED else place + 3, box)
-            if self._found is not None:
+            if self.found is not None:
                 box.hide()
         self._light_rows()
         self._build()
@@ -118,11 +118,11 @@ class ParametersView(SidePanel):
     def show_values(self, sections: tuple[FieldSection, ...]) -> None:
         """Show other values in the rows that are there."""
         for section in sections:
-            self._sections[section.key].show_values(section)
+            self.sections[section.key].show_values(section)
 
     def _build(self) -> None:
         """Build the rows of the first section that waits; the others follow when events have been handled."""
-        waiting = [box for box in self._sections.values() if box.waits]
+        waiting = [box for box in self.sections.values() if box.waits]
         if waiting:
             waiting[0].build()
         if len(waiting) > 1:
@@ -132,40 +132,40 @@ class ParametersView(SidePanel):
 
     def show_changed(self, changed: Mapping[str, str]) -> None:
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
-        for box in (*self._sections.values(), *([self._found] if self._found is not None else [])):
+        for box in (*self.sections.values(), *([self.found] if self.found is not None else [])):
             box.show_changed(changed)
 
     def show_found(self, section: FieldSection | None) -> None:
         """Show the fields that were searched for in place of all others; None ends the search."""
-        if self._found is not None and section is not None and self._found.structure == section.structure:
-            self._found.show_values(section)
+        if self.found is not None and section is not None and self.found.structure == section.structure:
+            self.found.show_values(section)
             return
-        if self._found is not None:
-            self.column.removeWidget(self._found)
-            self._found.hide()
-            self._found.deleteLater()
-        self._found = None
+        if self.found is not None:
+            self.column.removeWidget(self.found)
+            self.found.hide()
+            self.found.deleteLater()
+        self.found = None
         if section is not None:
-            self._found = SectionBox(section, self, unfolded=True, tools=[])
-            self._found.build()
-            self.column.insertWidget(1, self._found)
+            self.found = SectionBox(section, self, unfolded=True, tools=[])
+            self.found.build()
+            self.column.insertWidget(1, self.found)
         self.about.setVisible(section is None and bool(self.about.words))
-        for box in (self.effects, *self._sections.values()):
+        for box in (self.effects, *self.sections.values()):
             box.setVisible(section is None)
 
     def show_pictures(self, scene: Scene) -> None:
         """Show the curves of a scene, and the spectrum of its bed."""
-        for box in self._sections.values():
+        for box in self.sections.values():
             box.show_pictures(scene)
 
     def turn_to(self, key: str) -> None:
         """Unfold the section of a target, fold those of the others, and scroll to it."""
-        for name, box in self._sections.items():
+        for name, box in self.sections.items():
             if box.removable:
                 box.unfold(name == key)
-        self._sections[key].show()
+        self.sections[key].show()
         self._lay_out()
-        self.ensureWidgetVisible(self._sections[key], 0, 8)
+        self.ensureWidgetVisible(self.sections[key], 0, 8)
 
     def light(self, paths: tuple[str, ...]) -> None:
         """Light the rows of these fields and no others; unfold their sections and scroll to the first that is there."""
@@ -191,8 +191,8 @@ class ParametersView(SidePanel):
 
     def _boxes(self, path: str) -> list[SectionBox]:
         """Sections that hold the row of a field, the pinned one first."""
-        boxes = [box for box in self._sections.values() if box.holds(path)]
-        return sorted(boxes, key=lambda box: box is not self._sections.get(PINNED))
+        boxes = [box for box in self.sections.values() if box.holds(path)]
+        return sorted(boxes, key=lambda box: box is not self.sections.get(PINNED))
 
     def _tools(self, section: FieldSection) -> list[QToolButton]:
         """Buttons beside the heading of a section."""
@@ -214,11 +214,11 @@ class ParametersView(SidePanel):
         self.body.resize(self.body.width(), self.body.sizeHint().height())
 
     def _light_rows(self) -> None:
-        for box in self._sections.values():
+        for box in self.sections.values():
             box.light(self._lit)
 
     def _drop(self, key: str) -> None:
-        box = self._sections.pop(key)
+        box = self.sections.pop(key)
         self.column.removeWidget(box)
         box.hide()
         box.deleteLater()

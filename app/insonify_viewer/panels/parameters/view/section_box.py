@@ -49,14 +49,14 @@ class SectionBox(FoldingBox):
         self._rows: dict[str, Row] = {}
         self._pictures: list[SettingPicture] = []
         self._more: QToolButton | None = None
-        self._shows_more, self._built = more, False
+        self._shows_more, self.built = more, False
         self._changed: dict[str, str] = {}
         self._lit: tuple[str, ...] = ()
         self._scene: Scene | None = None
         tip = "Reset this section to the scene as it was opened"
-        self._reset = make_tool("reset", "↺", tip, lambda: signals.reset.emit(tuple(self._changed)))
-        self._reset.hide()
-        super().__init__(section.title, QWidget(), unfolded=unfolded, beside=_side_by_side([self._reset, *tools]))
+        self.reset = make_tool("reset", "↺", tip, lambda: signals.reset.emit(tuple(self._changed)))
+        self.reset.hide()
+        super().__init__(section.title, QWidget(), unfolded=unfolded, beside=_side_by_side([self.reset, *tools]))
         self._body.setEnabled(not section.locked)
         self._heading.toggled.connect(lambda on: self.build() if on else None)
 
@@ -75,7 +75,7 @@ class SectionBox(FoldingBox):
     @property
     def waits(self) -> bool:
         """Whether the rows should be seen and are not built yet."""
-        return self.unfolded and not self._built
+        return self.unfolded and not self.built
 
     def holds(self, path: str) -> bool:
         """Whether a field has a row here."""
@@ -83,9 +83,9 @@ class SectionBox(FoldingBox):
 
     def build(self) -> None:
         """Build the rows, unless that is done."""
-        if self._built:
+        if self.built:
             return
-        self._built = True
+        self.built = True
         usual = [each for each in self._section.parameters if not each.rare]
         grid = self._grid(usual, self._signals)
         self._pictures = [] if self._section.key == PINNED else _pictures(usual, grid, self._signals)
@@ -101,7 +101,7 @@ class SectionBox(FoldingBox):
         """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
         self._changed = {path: changed[path] for path in self._paths if path in changed}
         self._mark_changed()
-        self._reset.setVisible(bool(self._changed))
+        self.reset.setVisible(bool(self._changed))
 
     def _mark_changed(self) -> None:
         for path, row in self._rows.items():
@@ -112,7 +112,7 @@ class SectionBox(FoldingBox):
         before, self._section = self._section, section
         self.entitle(section.title)
         self._body.setEnabled(not section.locked)
-        for known, parameter in zip(before.parameters, section.parameters, strict=True) if self._built else ():
+        for known, parameter in zip(before.parameters, section.parameters, strict=True) if self.built else ():
             if parameter is not known:
                 row: Any = self._rows[parameter.path]
                 row.show_value(parameter)

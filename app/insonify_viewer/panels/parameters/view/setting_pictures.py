@@ -67,7 +67,7 @@ class CurvesPicture(SettingPicture):
 
     def __init__(self, applies: Callable[[Scene], bool], draws: tuple[Draw, ...]) -> None:
         super().__init__(CURVE_HEIGHT)
-        self._applies, self._draws = applies, draws
+        self._applies, self.draws = applies, draws
         self.curves: tuple[Curve, ...] = ()
         self._drawn: Scene | None = None  # the scene of these curves
         self._making, self._faults = False, FaultReport()
@@ -89,7 +89,7 @@ class CurvesPicture(SettingPicture):
         made: tuple[Curve, ...] = ()
         error: Exception | None = None
         try:
-            made = tuple(curve for curve in (draw(scene) for draw in self._draws) if curve is not None)
+            made = tuple(curve for curve in (draw(scene) for draw in self.draws) if curve is not None)
         except Exception as raised:  # an exception that ends the thread would freeze the picture silently
             error = raised
         with contextlib.suppress(RuntimeError):  # the picture has been deleted
