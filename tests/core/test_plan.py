@@ -82,23 +82,27 @@ def test_a_glint_takes_more_planes_of_its_own_pings():
     assert (bright[3:] == 1).all()  # the level bed beside it is alike across the beam
 
 
-def test_one_plane_stands_for_no_beam_with_a_vertical_lobe_unless_it_is_measured():
-    lobe = {"kind": "fan", "tilt": 26.0, "width": 26.0}
-    beam = {"kind": "fan", "width": 1.25, "squint": -7.5}
-    changes = {
-        "sonar.beam": beam,
-        "sonar.vertical": lobe,
-        "sonar.range": 18.0,
-        "sonar.bins": 240,
-        "track.altitude": 1.0,
-    }
-    scene = edit(DEFAULT, changes | {"seabed.relief": "flat", "targets": [], "track.pings": 64})
-    simulation = prepare(scene)
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {
+            "sonar": {"beam": {"kind": "fan", "width": 1.25, "squint": -7.5}, "range": 18.0, "bins": 240}
+            | {"vertical": {"kind": "fan", "tilt": 26.0, "width": 26.0}},
+            "track.altitude": 1.0,
+        },
+        {"sonar.beam": {"kind": "fan", "width": 0.5, "squint": -9.5}},
+        {"track.motion": {"kind": "pitch", "amplitude": 9.5, "period": 20.0}},
+    ],
+    ids=["vertical lobe", "squint", "pitch"],
+)
+def test_one_plane_stands_for_a_beam_over_a_level_bed_only_if_its_planes_are_alike(changes):
+    level = {"seabed.relief": "flat", "targets": [], "track.pings": 64}
+    simulation = prepare(edit(DEFAULT, level | changes), tolerance=0.01)
     poses = simulation.poses(np.arange(0, 64, 8))
     found, right = simulation.trace(poses), sweep.trace(simulation.reduced, poses, planes=256)
-    missed = compare_records(simulation.arrays, poses, found, right).beyond
-    assert missed <= 1.25 * simulation.plan.error
-    assert missed <= 0.03
+    errors = compare_records(simulation.arrays, poses, found, right)
+    assert errors.beyond <= 0.01
+    assert errors.all_bins <= 0.01
 
 
 def test_what_planes_estimate_is_trusted_apart_in_pings_that_meet_targets():

@@ -152,12 +152,14 @@ class Case:
 
     @property
     def is_level(self) -> bool:
-        """Whether the planes of a beam are alike, so that one stands for all: a level bed of one material, and no lobe.
+        """Whether the planes of a beam are alike, so that one stands for all: over a level bed of one material.
 
-        A vertical beam ends at another range in each plane.
+        A vertical beam ends at another range in each plane, and near nadir a beam off athwart has fewer of them.
         """
-        level, uniform = self.scene.seabed.relief.level, isinstance(self.scene.sonar.vertical, UniformVerticalBeam)
-        return level and uniform and not self.packed.arrays.bed.mapped
+        scene, arrays = self.scene, self.packed.arrays
+        is_athwart = arrays.pattern.centre == 0.0 and "pitch" not in scene.track.kinds
+        is_uniform = isinstance(scene.sonar.vertical, UniformVerticalBeam)
+        return scene.seabed.relief.level and not arrays.bed.mapped and is_uniform and is_athwart
 
     @property
     def bare(self) -> Model:
