@@ -8,6 +8,7 @@ import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -367,6 +368,25 @@ def test_a_helm_keeps_what_was_sent_and_turns_in_circles() -> None:
     assert helm.newest == 3 * KEPT
     assert len(helm._columns[0]) < 1.2 * KEPT
     assert helm.line(np.array([3 * KEPT])).x[0] == helm._columns[0][-1]
+
+
+def test_a_line_is_looked_at_while_it_grows() -> None:
+    helm, done = Helm(small()), threading.Event()
+
+    def look() -> int:
+        looks = 0
+        while not done.is_set():
+            line = helm.line(np.arange(0, 20_000, 500))
+            assert np.isfinite(line.x).all()
+            looks += 1
+        return looks
+
+    with ThreadPoolExecutor() as threads:
+        looking = threads.submit(look)
+        for ping in range(0, 20_000, 10):
+            helm.advance(ping)
+        done.set()
+        assert looking.result() > 0
 
 
 def test_a_steered_fish_follows_the_bed() -> None:

@@ -2,7 +2,7 @@
 
 import math
 from array import array
-from threading import Lock
+from threading import RLock
 
 import numpy as np
 
@@ -18,7 +18,7 @@ class Helm:
     """Line of a tow that turns, speeds up and drifts while it is under way; the pings sent so far stay where they are.
 
     ``turn`` is in degrees per second to port, ``speed`` in m/s through the water, which drifts by the ``current``, m/s
-    along x and y.
+    along x and y. Any thread may look at the line while another gives pings their places.
     """
 
     def __init__(self, scene: Scene, ping: int = 0, current: tuple[float, float] = (0.0, 0.0)) -> None:
@@ -26,6 +26,7 @@ class Helm:
         self._first, self._period = max(ping - BEFORE, 0), 1.0 / scene.sonar.ping_rate
         start = tow_line_at(scene, np.arange(max(ping - BEFORE, 0), ping + 1))
         self._columns = tuple(array("d", column) for column in start)
+        self._lock = RLock()
 
     @property
     def newest(self) -> int:
@@ -34,25 +35,29 @@ class Helm:
 
     def put(self, x: float, y: float, heading: float) -> None:
         """Move the newest ping to a place; the heading is in radians."""
-        for column, value in zip(self._columns, (x, y, heading)):
-            column[-1] = value
+        with self._lock:
+            for column, value in zip(self._columns, (x, y, heading)):
+                column[-1] = value
 
     def advance(self, ping: int) -> None:
         """Give the pings up to a number their places, by the present turn and speed."""
-        while self.newest < ping:
-            place = self._next(*(column[-1] for column in self._columns))
-            for column, value in zip(self._columns, place):
-                column.append(value)
-        if (over := len(self._columns[0]) - KEPT) > KEPT // 8:
-            self._first += over
-            for column in self._columns:
-                del column[:over]
+        with self._lock:
+            while self.newest < ping:
+                place = self._next(*(column[-1] for column in self._columns))
+                for column, value in zip(self._columns, place):
+                    column.append(value)
+            if (over := len(self._columns[0]) - KEPT) > KEPT // 8:
+                self._first += over
+                for column in self._columns:
+                    del column[:over]
 
     def line(self, pings: Integers | Reals) -> TowLine:
         """Places and headings at pings; straight ahead of the newest one, and astern of the oldest that is kept."""
         numbers = np.asarray(pings, dtype=np.float64)
-        kept = np.arange(self._first, self.newest + 1)
-        x, y, heading = (np.interp(numbers, kept, np.asarray(column)) for column in self._columns)
+        with self._lock:
+            first, columns = self._first, np.stack([np.frombuffer(column) for column in self._columns])
+        kept = first + np.arange(columns.shape[1])
+        x, y, heading = (np.interp(numbers, kept, column) for column in columns)
         beyond = self.speed * self._period * (numbers - np.clip(numbers, kept[0], kept[-1]))
         return TowLine(x + beyond * np.cos(heading), y + beyond * np.sin(heading), heading)
 
@@ -73,7 +78,7 @@ class ShipTow(Helm):
 
     def __init__(self, scene: Scene, layback: float, lag: float) -> None:
         super().__init__(scene)
-        self._layback, self._lag, self._lock = layback, lag, Lock()
+        self._layback, self._lag = layback, lag
         self._fix: tuple[float, float, float, float] | None = None  # x, y, and their rates in m/s
         self._age = 0.0  # s since the fix
         self._pull: tuple[float, float] | None = None
