@@ -355,10 +355,13 @@ def figure() -> Mesh:
 def log() -> Mesh:
     """Sunken trunk of a tree with stubs of branches, 2.6 m."""
     places = ((-1.3, 0.0, 0.19), (-0.4, 0.06, 0.17), (0.5, -0.02, 0.15), (1.3, 0.1, 0.11))
-    sections = [
-        [(x, y + r * math.cos(a), 0.19 + r * math.sin(a)) for a in np.arange(9) * math.pi / 4.5] for x, y, r in places
-    ]
-    parts = [hull([*one, *other]) for one, other in itertools.pairwise(sections)]
+
+    def section(x: float, y: float, r: float, turn: float) -> list[tuple[float, float, float]]:
+        angles = (np.arange(9) + turn) * math.pi / 4.5
+        return [(x, y + r * math.cos(a), 0.19 + r * math.sin(a)) for a in angles]
+
+    # Parts that meet share no edge.
+    parts = [hull([*section(*one, 0.0), *section(*other, 0.4)]) for one, other in itertools.pairwise(places)]
     stubs = (
         ((-0.6, 0.1, 0.2), (-0.4, 0.55, 0.45)),
         ((0.4, -0.05, 0.2), (0.75, -0.4, 0.5)),

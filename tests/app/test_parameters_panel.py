@@ -256,7 +256,7 @@ def test_figures_are_measured_once(viewer, qtbot):
     once = len(traced)
     assert once == 2, "beam and pulse"
     viewer.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: panel(viewer).at_rest)
+    qtbot.waitUntil(lambda: len(traced) == 2 * once and panel(viewer).at_rest)
     viewer.session.undo()
     assert figure(viewer, "beam").startswith("changes"), "known at once"
     viewer.run(True)

@@ -250,7 +250,13 @@ def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: B
     of_few, of_many = (_root_mean_square(each[usual]) for each in errors[1:])
     if of_many > 0.0:
         fall = math.log(of_few / of_many) / math.log(many / few) if of_few > 0.0 else LEAST_POWER
-    alone, met = (_trust(found[group], estimated[group]) for group in (~is_met, is_met))
+    alone = _trust(found[~is_met], estimated[~is_met], is_across[~is_met])
+    met = _trust(found[is_met], estimated[is_met], is_across[is_met])
+    if (
+        0 < (crossing := int(is_met.sum())) < ENOUGH_PINGS
+    ):  # targets are less alike than the bed: of few pings the worst counts
+        told = is_met & (estimated > 0.0)
+        met = max(met, (1.0 + 1.0 / math.sqrt(crossing)) * float((found[told] / estimated[told]).max(initial=0.0)))
     # Where no ping of a kind is measured, those of the other kind have to do.
     trust = Trust(alone or met, met or alone)
     by_planes = np.where(is_met, trust.met, trust.alone) * estimated
@@ -258,16 +264,16 @@ def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: B
     return PlaneLaw(few, many, error, fall, trust, tuple(by_planes[usual].tolist()))
 
 
-def _trust(found: Floats, estimated: Floats) -> float:
-    """Errors found over those estimated, by a margin; 0 without pings.
+def _trust(found: Floats, estimated: Floats, is_across: Booleans) -> float:
+    """Errors found over those estimated, the greater of those over the track and across targets; 0 without pings.
 
     Few pings may err little by chance: n of them give no reason to trust in less than 1/√n.
     """
-    if found.size == 0:
-        return 0.0
-    whole = _root_mean_square(estimated)
-    ratio = _root_mean_square(found) / whole if whole > 0.0 else 0.0
-    return max(TRUST_MARGIN * ratio, 1.0 / math.sqrt(found.size))
+    ratios = [0.0]
+    for group in (is_across, ~is_across):
+        if group.any() and estimated[group].any():
+            ratios.append(_root_mean_square(found[group]) / _root_mean_square(estimated[group]))
+    return max(TRUST_MARGIN * max(ratios), 1.0 / math.sqrt(found.size)) if found.size else 0.0
 
 
 def _root_mean_square(errors: Floats) -> float:
