@@ -131,12 +131,13 @@ def _say_method(case: Case, model: Model, error: float) -> Said:
 
 def plane_law(case: Case, across: int, planes: int = FEW_PLANES) -> PlaneLaw:
     """Errors by the number of planes, measured by that number, or the most affordable, beside the finest of effects."""
-    if case.probe.size < ENOUGH_PINGS or planes == FEW_PLANES:
-        return case.probe.law(*_planes_probed(case, across))
-    few = max(planes, LEAST_PLANES)  # a ping that meets targets has several
+    few, pings = max(planes, LEAST_PLANES), case.probe.size  # a ping that meets targets has several
     while few > FEW_PLANES and not _is_affordable(case, across, 2 * few):
         few //= 2
-    return case.probe.law(*_planes_probed(case, across, few, max(2 * few, MANY_PLANES)))
+    if few == FEW_PLANES or pings < ENOUGH_PINGS:
+        return case.probe.law(*_planes_probed(case, across), pings)
+    pair = _planes_probed(case, across, few, max(2 * few, MANY_PLANES))
+    return case.probe.law(*pair, max(pings // 2, ENOUGH_PINGS))
 
 
 def _is_affordable(case: Case, across: int, planes: int) -> bool:

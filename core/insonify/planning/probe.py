@@ -185,12 +185,10 @@ class Probe:
             self._differences[key] = max(errors)
         return self._differences[key]
 
-    def law(self, few: Model, many: Model) -> PlaneLaw:
-        """Errors by the number of planes, from few planes of the same pings and from many."""
+    def law(self, few: Model, many: Model, pings: int) -> PlaneLaw:
+        """Errors by the number of planes, from few planes of the first pings and from many of the same."""
         if (few, many) not in self._laws:
-            count = max(self.size // 2, min(self.size, ENOUGH_PINGS))
-            if (few, ()) in self._traced and (many, ()) in self._traced:
-                count = self.size
+            count = min(pings, self.size)
             (one, estimated), (other, finer) = (self._first(count, model) for model in (few, many))
             squares = [np.square(part, dtype=np.float64).sum(axis=1) for part in (one - other, other)]
             found = [_ratio(*(each[:, first:].sum(axis=1) for each in squares)) for first in (0, self._beyond)]
@@ -252,11 +250,11 @@ def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: B
         fall = math.log(of_few / of_many) / math.log(many / few) if of_few > 0.0 else LEAST_POWER
     alone = _trust(found[~is_met], estimated[~is_met], is_across[~is_met])
     met = _trust(found[is_met], estimated[is_met], is_across[is_met])
-    if (
-        0 < (crossing := int(is_met.sum())) < ENOUGH_PINGS
-    ):  # targets are less alike than the bed: of few pings the worst counts
-        told = is_met & (estimated > 0.0)
-        met = max(met, (1.0 + 1.0 / math.sqrt(crossing)) * float((found[told] / estimated[told]).max(initial=0.0)))
+    crossing, told = int(is_met.sum()), is_met & (estimated > 0.0)
+    if told.any() and crossing < ENOUGH_PINGS:
+        # Targets are less alike than the bed: of few pings the worst counts.
+        worst = float((found[told] / estimated[told]).max())
+        met = max(met, (1.0 + 1.0 / math.sqrt(crossing)) * worst)
     # Where no ping of a kind is measured, those of the other kind have to do.
     trust = Trust(alone or met, met or alone)
     by_planes = np.where(is_met, trust.met, trust.alone) * estimated
