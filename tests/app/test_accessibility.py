@@ -21,7 +21,7 @@ from insonify_viewer.window.scene_menu import scene_gallery
 
 @pytest.fixture
 def viewer(open_viewer, small):
-    return open_viewer(small, own=True)  # with the tabs that it has at first
+    return open_viewer(small)  # with the tabs that it has at first
 
 
 def test_every_control_has_a_tooltip_a_name_and_the_keyboard(viewer, qtbot):
@@ -109,7 +109,7 @@ def test_large_text_has_room_and_fits_a_window(open_viewer, small, qtbot, qapp):
     usual = qapp.font().pointSizeF()
     enlarge_text(qapp, 200)
     assert qapp.font().pointSizeF() == 2.0 * usual
-    viewer = open_viewer(small, own=True)
+    viewer = open_viewer(small)
     window = viewer.window
     qapp.processEvents()
     metrics = window.waterfall.fontMetrics()

@@ -363,7 +363,7 @@ def test_keys_without_a_or_a_partner_say_so_until_a_scene_is_traced_as_a_or_the_
 
 def test_one_action_opens_a_pair_of_those_that_are_read_before_their_menu_opens(open_viewer, small, qtbot):
     find_pairs.cache_clear()
-    viewer = open_viewer(small, own=True)
+    viewer = open_viewer(small)
     panel = viewer.panels["comparison"].view
     assert not panel.pairs_menu.actions()
     bring_to_front(viewer.window, "comparison")

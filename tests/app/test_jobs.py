@@ -243,7 +243,7 @@ def begin_waiting(viewer, title: str):
 
 def test_a_record_is_begun_followed_stopped_and_ended_by_closing(open_viewer, small, qtbot, tmp_path, monkeypatch):
     # A record that takes minutes: the planes of a fan cost ten times as much as a knife.
-    viewer = open_viewer(edit(small, {"track.pings": 1_000_000}), own=True)
+    viewer = open_viewer(edit(small, {"track.pings": 1_000_000}))
     path = tmp_path / "record.nc"
     monkeypatch.setattr(jobs_window, "ask_where_to_save", lambda *_: path)
     activate(viewer.window, qtbot)

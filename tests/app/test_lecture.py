@@ -21,7 +21,7 @@ from insonify_viewer.widgets.theme import lecture_scale
 
 @pytest.fixture
 def viewer(open_viewer, small):
-    return open_viewer(small, own=True)  # without presets
+    return open_viewer(small)  # without presets
 
 
 def test_a_lecture_shows_presets_by_keys_and_leaves_the_window_as_it_was(viewer, small, qtbot, tmp_path, monkeypatch):

@@ -99,7 +99,7 @@ def test_settings_survive_nonsense_and_a_gain_that_is_dragged_writes_no_file(mon
 
 
 def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(open_viewer, small, qtbot):
-    first = open_viewer(small, own=True)
+    first = open_viewer(small)
     keep_place(first)
     keep_display(first)
     first.window.resize(1000, 620)
@@ -111,7 +111,7 @@ def test_place_of_the_window_and_display_of_the_record_are_kept_between_starts(o
     choose(first.window.palettes, "grey")
     first.session.show(gain=6.0, levels=(0.1, 4.0))
     first.window.close()
-    second = open_viewer(small, own=True)
+    second = open_viewer(small)
     keep_place(second)
     qtbot.waitUntil(lambda: (second.window.width(), second.window.height()) == (1000, 620))
     assert second.session.display == DisplayOptions(), "a snapshot shows the usual display"

@@ -85,7 +85,7 @@ def test_every_folder_holds_a_panel_and_their_order_is_stable(announce):
 
 def test_an_announced_panel_is_a_tab_or_opens_by_its_button_and_edits_the_scene(open_viewer, small, qtbot, announce):
     announce(DummyPanel, DummyBelow, DummyWindow)
-    viewer = open_viewer(small, own=True)
+    viewer = open_viewer(small)
     dummy = viewer.panels["dummy"]
     dock = viewer.window.findChild(QDockWidget, "dummy")
     assert dock.widget() is dummy.widget

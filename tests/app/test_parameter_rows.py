@@ -140,7 +140,7 @@ def test_curves_follow_the_scene_and_a_peak_is_dragged_in_one_step(open_viewer, 
 
     monkeypatch.setattr(registry, "beam_curve", watched)
     peaked = edit(small, {"seabed.relief": {"kind": "fractal", "peaks": [[8.0, 20.0], [0.0, 0.0]], "rms": 0.05}})
-    viewer = open_viewer(peaked, own=True)
+    viewer = open_viewer(peaked)
     panel = viewer.panels["parameters"].widget
     picture = next(one for one in panel.findChildren(CurvesPicture) if watched in one.draws)
     panel.ensureWidgetVisible(picture, 0, 0)

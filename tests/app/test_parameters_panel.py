@@ -345,7 +345,7 @@ def test_nothing_is_shown_as_a_window_of_its_own(open_viewer, small, qapp):
         return isinstance(watched, QWidget) and watched.parent() is None
 
     with watched_events(qapp, QEvent.Type.Show, has_no_parent) as shown:
-        viewer = open_viewer(small, own=True)
+        viewer = open_viewer(small)
         viewer.session.settle({"sonar.beam.kind": "array"})
         panel(viewer).view.search.setText("beam")
         viewer.session.settle({"sonar.beam.kind": "knife"})

@@ -225,7 +225,7 @@ def test_rays_and_budget_share_their_room_and_a_small_window_stays_usable_and_el
 def test_kernels_of_the_first_click_are_compiled_once_for_a_set_of_effects(open_viewer, small, qtbot, monkeypatch):
     compiled = []
     monkeypatch.setattr(compilation, "compile_explanations", lambda simulation: compiled.append(simulation.scene))
-    viewer = open_viewer(small, own=True)
+    viewer = open_viewer(small)
     qtbot.waitUntil(lambda: compiled == [small])
     assert viewer.inspection.mark is None, "before anything is clicked"
     assert viewer.session.settle({"track.altitude": 8.0})

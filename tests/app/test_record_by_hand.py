@@ -18,7 +18,7 @@ Key, Modifier = Qt.Key, Qt.KeyboardModifier
 
 @pytest.fixture
 def viewer(open_viewer, small):
-    return open_viewer(small, own=True)  # with the cursor where it is at first
+    return open_viewer(small)  # with the cursor where it is at first
 
 
 @pytest.fixture

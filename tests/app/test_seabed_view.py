@@ -251,7 +251,7 @@ def test_a_target_keeps_the_lamp_off_the_bed_where_its_light_would_fall(below):
 
 @pytest.fixture
 def viewer(open_viewer, small):
-    return open_viewer(edit(small, {"targets": []}), own=True)
+    return open_viewer(edit(small, {"targets": []}))
 
 
 def trigger(viewer, text):

@@ -55,7 +55,7 @@ def own():
 @pytest.mark.usefixtures("own")
 def test_a_target_of_any_kind_is_added_taken_back_kept_apart_and_in_a_new_scene(open_viewer, small, qtbot, monkeypatch):
     pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
-    viewer = open_viewer(edit(small, {"targets": []}), own=True)
+    viewer = open_viewer(edit(small, {"targets": []}))
     assert list(target_menu())[-1] == "hoop", "of somebody else's"
     for kind in target_menu():
         target = add(viewer, kind, qtbot)

@@ -230,7 +230,7 @@ def kernels(monkeypatch):
 
 def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer, kernels, qtbot):
     viewer = open_viewer(
-        load_scene(DEFAULT_SCENE), prepare=None, own=True, until=lambda it: it.answer is not None and it.seabed.complete
+        load_scene(DEFAULT_SCENE), prepare=None, until=lambda it: it.answer is not None and it.seabed.complete
     )
     waterfall = viewer.window.waterfall
     qtbot.waitUntil(lambda: waterfall.waiting is not None)
@@ -259,7 +259,7 @@ def test_the_default_record_is_shown_before_its_kernels_are_compiled(open_viewer
 
 
 def test_an_edit_dims_the_example_until_its_own_record_is_traced(open_viewer, kernels, qtbot):
-    viewer = open_viewer(load_scene(DEFAULT_SCENE), prepare=None, own=True, until=lambda it: it.answer is not None)
+    viewer = open_viewer(load_scene(DEFAULT_SCENE), prepare=None, until=lambda it: it.answer is not None)
     waterfall = viewer.window.waterfall
     bright = picture_of(waterfall).copy()
     viewer.session.settle({"track.altitude": 12.0})

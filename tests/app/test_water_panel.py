@@ -22,7 +22,7 @@ def colours(widget) -> int:
 
 
 def test_the_panel_opens_with_layered_water_which_may_be_a_cast(open_viewer, small, qtbot, tmp_path, monkeypatch):
-    viewer, layered = open_viewer(small, own=True), edit(small, {"water": PROFILE})
+    viewer, layered = open_viewer(small), edit(small, {"water": PROFILE})
     assert not viewer.panels["water"].view.isVisible()
     finish(viewer, qtbot, viewer.window.buttons["water"].trigger)
     assert viewer.panels["water"].complete
@@ -79,7 +79,7 @@ def picture_of(plot):
 
 def test_keys_and_the_mouse_choose_a_point_move_it_until_they_leave_it_and_ask_for_rays(open_viewer, small, qtbot):
     layered = edit(small, {"water": PROFILE})
-    viewer = open_viewer(layered, own=True)
+    viewer = open_viewer(layered)
     panel, view = viewer.panels["water"], viewer.panels["water"].view
     profile, rays = view.profile, view.rays
     activate(viewer.window, qtbot)
@@ -159,7 +159,7 @@ def groups(viewer):
 
 def test_terms_of_the_sonar_equation_are_those_at_half_the_range_or_the_cursor_and_follow_the_scene(open_viewer, qtbot):
     scene = edit(load_scene("raw-record"), {"track.pings": 32, "seabed.relief": "flat", "targets": []})
-    viewer = open_viewer(scene, prepare=None, own=True)
+    viewer = open_viewer(scene, prepare=None)
     (solved, _), k, panel = solve_sonar_equation(scene), scene.sonar.bins // 2, viewer.panels["budget"]
     assert panel.solved is None, "a closed panel solves nothing"
     finish(viewer, qtbot, viewer.window.open_panel, "budget")

@@ -26,7 +26,7 @@ def pick(viewer, path: str, option: str):
 
 
 def test_a_slider_palette_gain_and_other_bins_and_pings_change_the_waterfall(open_viewer, small, qtbot):
-    viewer, fine = open_viewer(small, own=True), []  # a row of the record is a row of the screen at first
+    viewer, fine = open_viewer(small), []  # a row of the record is a row of the screen at first
     viewer.simulator.answered.connect(lambda answer: fine.append(answer.fine))
     slider = move_slider(number_row(viewer, "track.altitude").slider, 300)
     qtbot.waitUntil(lambda: viewer.complete and fine and fine[-1])
