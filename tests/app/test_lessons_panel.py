@@ -91,7 +91,7 @@ def open_lessons(open_viewer, small, qtbot, monkeypatch):
     def open_panel(*offered: Lesson, started: bool = False) -> tuple[Any, Any]:
         if offered:
             monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: offered)
-        viewer = open_viewer(small, own=bool(offered))
+        viewer = open_viewer(small)
         viewer.window.open_panel("lessons")
         panel = viewer.panels["lessons"]
         qtbot.waitUntil(panel.view.isVisible)
