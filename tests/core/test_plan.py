@@ -548,3 +548,10 @@ def test_the_trend_of_a_record_that_converges_geometrically_is_its_ratio(share):
     found = probe._trend(coarser, coarse, fine)
     assert found == pytest.approx(share)
     np.testing.assert_allclose(fine - (coarse - fine) * found / (1.0 - found), limit, atol=1e-12)
+
+
+def test_pings_without_an_estimate_leave_the_law_of_planes_finite():
+    errors = np.array([[0.02, 0.03], [math.inf, 0.04], [math.inf, math.inf]])
+    law = probe._fit_law(4, 16, errors, np.zeros(2, np.bool_), np.zeros(2, np.bool_))
+    assert math.isfinite(law.power)
+    assert math.isfinite(law.usual(4))

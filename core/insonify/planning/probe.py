@@ -243,7 +243,8 @@ def _find_clear_of_targets(arrays: SceneArrays, poses: Poses) -> Booleans:
 
 def _fit_law(few: int, many: int, errors: Floats, is_met: Booleans, is_across: Booleans) -> PlaneLaw:
     """Law of errors, (3, pings): of few planes as found, and as few and many planes estimate them."""
-    found, estimated, fall = *np.minimum(errors[:2], 1.0), MOST_POWER
+    errors, fall = np.minimum(errors, 1.0), MOST_POWER  # an unknown one is infinite
+    found, estimated, _ = errors
     usual = ~is_across if not is_across.all() else is_across
     of_few, of_many = (_root_mean_square(each[usual]) for each in errors[1:])
     if of_many > 0.0:
