@@ -1,14 +1,13 @@
 """Persons on the bed, and the dummies and sacks that searchers train with."""
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 
 from insonify.arrays import Floats
 from insonify.scene.base import metres, parameter, share
-from insonify.scene.targets import Posed
+from insonify.scene.targets.generated import Generated
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, skin
 from insonify.scene.targets.shape import Shape, rotation_matrix
 
@@ -23,7 +22,7 @@ TRUNKS = {
 ROPE = 0.012  # m, radius
 
 
-class Person(Posed, kind="person", rank=8):
+class Person(Generated, kind="person", rank=8):
     """A person, or an effigy of one, on the bed, face up at roll 0 and face down at 180."""
 
     form: Literal["person", "sack"] = parameter("person", "with limbs, or a filled sack")
@@ -48,23 +47,9 @@ class Person(Posed, kind="person", rank=8):
         return {}
 
     @property
-    def attitude(self) -> tuple[float, float, float]:
-        """Heading; pitch and roll turn the body, not its rope."""
-        return self.heading, 0.0, 0.0
-
-    @property
     def idle_fields(self) -> frozenset[str]:
         """The pose of limbs, of a sack; the gap if z is given."""
         return super().idle_fields | ({"spread", "bent"} if self.form == "sack" else frozenset())
-
-    def shape(self) -> Shape:
-        """Return the triangles of body, cloths and rope; the bed is at z = 0."""
-        return _kept_shape(self.model_copy(update={"position": (0.0, 0.0), "heading": 0.0}))
-
-    @property
-    def underside(self) -> float:
-        """Height of the lowest point above the bed, in metres, negative where it is buried."""
-        return self.gap + self.shape().lowest
 
     def build(self) -> Shape:
         """Put the parts together."""
@@ -143,8 +128,3 @@ class Person(Posed, kind="person", rank=8):
         rope = np.column_stack([flat, ROPE + 0.1 * self.length * (1.0 - share_of) ** 3])
         yield bars(rope[:-1], rope[1:], ROPE)
         yield blocks([*rope[-1, :2], 0.08], [0.3, 0.22, 0.18], [np.degrees(course), 4.0, 0.0])
-
-
-@lru_cache(maxsize=32)
-def _kept_shape(target: Person) -> Shape:
-    return target.build()

@@ -2,14 +2,14 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from insonify.arrays import Floats
 from insonify.scene.base import parameter, share
-from insonify.scene.targets import Pit, Posed
+from insonify.scene.targets import Pit
+from insonify.scene.targets.generated import Generated
 from insonify.scene.targets.parts import Triangles, bars, blocks, draw_shares, roughen
 from insonify.scene.targets.shape import Shape, rotation_matrix
 
@@ -22,7 +22,7 @@ LOOSE = 0.3  # share of the pieces that come loose as soon as it breaks
 LONG = 0.4  # length of a new one over the slant range, at most
 
 
-class Sunken(Posed):
+class Sunken(Generated):
     """A vessel that sank; its centre is amidships, at the level of the bed.
 
     A kind declares its dimensions, a `length` among them, its `pieces` and its `scattered` share.
@@ -80,20 +80,6 @@ class Sunken(Posed):
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
         """Choose the length, at most a part of the slant range."""
         return {"length": float(f"{max(min(cls(position=(0.0, 0.0)).overall_length, LONG * reach), 1.0):.2g}")}
-
-    @property
-    def attitude(self) -> tuple[float, float, float]:
-        """Heading; pitch and roll turn the vessel, not its debris."""
-        return self.heading, 0.0, 0.0
-
-    def shape(self) -> Shape:
-        """Return the triangles of pieces and debris; the bed is at z = 0."""
-        return _kept_shape(self.model_copy(update={"position": (0.0, 0.0), "heading": 0.0}))
-
-    @property
-    def underside(self) -> float:
-        """Height of the lowest point above the bed, in metres, negative where it is buried."""
-        return self.gap + self.shape().lowest
 
     def build(self) -> Shape:
         """Put pieces, debris and fish together."""
@@ -153,8 +139,3 @@ class Sunken(Posed):
         long = 0.2 + 0.3 * drawn[:, 6]
         ahead = 0.5 * long[:, None] * np.stack([np.cos(course), np.sin(course), 0.0 * course], axis=1)
         return bars(place + ahead, place - ahead, 0.15 * long, 3, 0.3)
-
-
-@lru_cache(maxsize=32)
-def _kept_shape(target: Sunken) -> Shape:
-    return target.build()
