@@ -1,13 +1,21 @@
 """``insonify tow``: a scene in real time, to the programs that surveys are made with."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from insonify.commands import options
 from insonify.io.sealed import SUFFIX
 from insonify.scene import SceneError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from insonify.live.outputs import Output
+    from insonify.live.tow import Tow
 
 PORT = "[HOST:]PORT"
 PORTS = {
@@ -61,10 +69,8 @@ def run(arguments: argparse.Namespace) -> None:
     # lazy: the other commands need none of it
     from insonify.exercises.exercise import read_exercise
     from insonify.live.control import ControlServer, follow_ship, read_lines
-    from insonify.live.formats import encode_jsf, write_growing_xtf, write_mcap
     from insonify.live.helm import Helm
-    from insonify.live.nmea import describe_ping, encode_nmea
-    from insonify.live.outputs import Output, TcpServer, parse_address, send_datagrams
+    from insonify.live.outputs import parse_address
     from insonify.live.tow import Tow
     from insonify.progress import report_waiting
     from insonify.record.variables import record_attributes
@@ -84,6 +90,32 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.scene.lower().endswith(SUFFIX):
         tow.helm = Helm(scene, 0, read_exercise(arguments.scene).current)
     attributes = record_attributes(scene, tow.simulation.plan, **method) | tow.place.attributes()
+    outputs = _open_outputs(tow, ports, paths, attributes)
+    if "control" in ports:
+        outputs.append(ControlServer(ports["control"], tow))
+    if lines is not None:
+        follow_ship(tow, lines, arguments.layback, arguments.lag)
+    if not tow.on_earth:
+        options.say("The scene has no place on Earth: positions are about 40° N, 3° E, or a ship's first fix.")
+    options.say(*(f"{output.name}: ready" for output in outputs))
+    sys.stdout.flush()
+    endless = lines is not None or "control" in ports
+    with suppress(KeyboardInterrupt):
+        tow.run(outputs, arguments.pings or (None if endless else scene.track.pings))
+    for output in outputs:
+        output.close()
+    _report(tow, outputs)
+
+
+def _open_outputs(
+    tow: Tow, ports: dict[str, tuple[str, int]], paths: dict[str, Path], attributes: dict[str, Any]
+) -> list[Output]:
+    """Open the outputs of every fish, on successive ports and in numbered files."""
+    # lazy: the other commands need none of it
+    from insonify.live.formats import encode_jsf, write_growing_xtf, write_mcap
+    from insonify.live.nmea import describe_ping, encode_nmea
+    from insonify.live.outputs import TcpServer, send_datagrams
+
     outputs: list[Output] = []
     for fish in range(tow.fish):
         own = {name: (host, port + fish) for name, (host, port) in ports.items()}
@@ -99,19 +131,11 @@ def run(arguments: argparse.Namespace) -> None:
             outputs.append(write_growing_xtf(files["xtf"], fish, attributes, patient=tow.times > 1.0))
         if "mcap" in files:
             outputs.append(write_mcap(files["mcap"], fish, patient=tow.times > 1.0))
-    if "control" in ports:
-        outputs.append(ControlServer(ports["control"], tow))
-    if lines is not None:
-        follow_ship(tow, lines, arguments.layback, arguments.lag)
-    if not tow.on_earth:
-        options.say("The scene has no place on Earth: positions are about 40° N, 3° E, or a ship's first fix.")
-    options.say(*(f"{output.name}: ready" for output in outputs))
-    sys.stdout.flush()
-    endless = lines is not None or "control" in ports
-    with suppress(KeyboardInterrupt):
-        tow.run(outputs, arguments.pings or (None if endless else scene.track.pings))
-    for output in outputs:
-        output.close()
+    return outputs
+
+
+def _report(tow: Tow, outputs: list[Output]) -> None:
+    """Print how late the pings were, and what every output sent."""
     if (pacer := tow.pacer) is not None:
         late = f"half at most {pacer.lateness(0.5):.1f} ms late, 99 % at most {pacer.lateness(0.99):.1f} ms"
         options.say(f"{pacer.waited} pings of {tow.fish} fish: {late}, {pacer.missed} missed")
