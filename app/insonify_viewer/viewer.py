@@ -145,7 +145,7 @@ class Viewer(QObject):
         if file and not bundled:
             self.window.settings.add_recent(file)
         self.session.open(scene, file, bundled=bundled)
-        if not self.missing().size:  # no ping of it is traced anew, for it was open already
+        if not self.missing().size:  # the scene was open already, and its pings are known
             self._show_top()
         self.window.say(scene.title)
 

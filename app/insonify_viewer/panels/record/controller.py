@@ -31,7 +31,7 @@ from insonify_viewer.state.inspection import Mark, mark_of
 from insonify_viewer.work.newest_wins import NewestWins
 
 SAMPLED = 60_000  # amplitudes that the histogram counts
-ERRORS_AT_ONCE = 64  # pings whose errors are estimated bin by bin before they are shown
+ERRORS_AT_ONCE = 64  # pings for which errors of bins are estimated before these are drawn
 FULL = 3.0  # error, in tolerances, drawn in full colour
 OFTEN = 0.25  # s between two histograms of a record that grows
 ABOVE = 4  # a contact is shown this part of the screen below its edge
@@ -161,7 +161,7 @@ class RecordPanel(Panel):
 
     @property
     def _errors_wanted(self) -> tuple[Simulation, tuple[int, ...]] | None:
-        """The next pings on screen whose errors are not known."""
+        """The simulation, and the next pings on screen without known errors of bins; None if there are none."""
         record, simulation = self._simulated.record, self._simulation
         if not self.view.errors.isChecked() or simulation is None:
             return None

@@ -58,8 +58,8 @@ class TowPanel(Panel):
         scene = self._file or work.jobs.write_scene(work.session.scene)
         options = [word for name, port in ports.items() for word in (f"--{name.lower()}", str(port))]
         work.jobs.begin("live tow", ["tow", scene, *options], None)
-        told = ", ".join(f"{name} on port {port}" for name, port in ports.items())
-        work.say(f"live on this machine: {told}; Jobs stops it")
+        listed = ", ".join(f"{name} on port {port}" for name, port in ports.items())
+        work.say(f"live on this machine: {listed}; stop it in Jobs")
 
     def open_exercise(self, path: str) -> None:
         """Open an exercise: what is hidden there stays hidden from the window, and echoes in the record."""
@@ -98,7 +98,7 @@ class TowPanel(Panel):
             self.view.show_marks("\n".join(describe_marks(exercise, mark_contacts(exercise, contacts, [track]))))
 
     def scene_changed(self, scene: Scene, settled: bool) -> None:
-        """Begin the exercise whose scene is opened; leave an exercise and a helm with their scene."""
+        """Begin an exercise if its scene has been opened; end the one before, and its steering."""
         if self._workbench.session.opened is self._opened:
             return
         self._opened = self._workbench.session.opened
